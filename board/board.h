@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "board/replay.h"
 #include "dsp/base/status.h"
 #include "dsp/calib/calibration.h"
 #include "hal/button.h"
@@ -52,6 +53,7 @@ struct Board {
   hal::Duration least_period{};            // with a shorter one frames cannot be told apart
   bool emulated_time;                      // the clock is not this machine's
   bool other_port = false;                 // than the one that was asked for
+  Replay* replay = nullptr;                // edges and frames are those of a recording
   bool recorded = false;                   // what cameras see comes of files, and again and again
   std::vector<std::string>
       notes;  // lines that whoever started it should read, such as what is missing

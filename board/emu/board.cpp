@@ -7,6 +7,7 @@
 
 #include "board/devices/connections.h"
 #include "board/emu/emu_options.h"
+#include "board/emu/recorded_rig.h"
 #include "board/emu/scenes.h"
 #include "dataset/dataset.h"
 #include "hal/emu/cameras/pmd_camera.h"
@@ -168,6 +169,40 @@ struct Rig {
 
 std::optional<Rig> rig;
 
+// A recording in its place.
+struct RecordedBoard {
+  std::unique_ptr<RecordedRig> devices;
+  OpenConnections connections;
+  hal::linux::SignalButton button;
+  std::optional<Board> board;
+
+  RecordedBoard(std::unique_ptr<RecordedRig> recorded, OpenConnections&& opened)
+      : devices(std::move(recorded)), connections(std::move(opened)) {
+    const bool has_pmd = devices->calibration().pmd.lens.width > 0;
+    board.emplace(Board{.clock = devices->clock(),
+                        .trigger = *devices,
+                        .stereo = devices->stereo(),
+                        .pmd = has_pmd ? &devices->pmd() : nullptr,
+                        .port = *connections.port,
+                        .serial = connections.serial ? &*connections.serial : nullptr,
+                        .to = connections.to,
+                        .network = *connections.network,
+                        .beacon = connections.beacon.get(),
+                        .mdns = connections.mdns.get(),
+                        .button = &button,
+                        .calibration = devices->calibration(),
+                        .disparities = devices->disparities(),
+                        .emulated_time = true,
+                        .other_port = connections.other_port,
+                        .replay = devices.get(),
+                        .recorded = true,
+                        .notes = devices->notes()});
+    board->notes.insert(board->notes.end(), connections.notes.begin(), connections.notes.end());
+  }
+};
+
+std::optional<RecordedBoard> recorded_board;
+
 }  // namespace
 
 std::expected<Board*, Refusal> open(const Connections& connections,
@@ -179,6 +214,13 @@ std::expected<Board*, Refusal> open(const Connections& connections,
   std::expected<OpenConnections, Refusal> talks = open_connections(connections);
   if (!talks) {
     return std::unexpected(talks.error());
+  }
+  if (options->replay) {
+    auto recorded = RecordedRig::open(*options->replay, !options->free_run);
+    if (!recorded) {
+      return refuse(std::move(recorded.error()));
+    }
+    return &*recorded_board.emplace(std::move(*recorded), std::move(*talks)).board;
   }
   std::expected<World, Refusal> world = options->dataset ? replay(*options) : rendered(*options);
   if (!world) {
@@ -217,6 +259,9 @@ HeapCalls heap_calls() noexcept { return {}; }
 
 // Emulated devices come back by themselves when their fault ends, but for cameras that hang.
 Status reopen(Board& /*board*/, Device device) noexcept {
+  if (!rig) {
+    return Status::kOk;
+  }
   if (device == Device::kStereo) {
     rig->stereo.reopen();
   } else if (device == Device::kPmd && rig->pmd) {

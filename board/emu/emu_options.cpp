@@ -86,10 +86,30 @@ bool take_value(std::string_view flag, std::string_view value, EmuOptions& optio
     options.tof = value;
   } else if (flag == "--truth") {
     options.truth = value;
+  } else if (flag == "--replay") {
+    options.replay = value;
   } else {
     return false;
   }
   return true;
+}
+
+// Flags that do not go together, in a line; empty: they do.
+std::string contradiction(const EmuOptions& options, const std::string& scene_flag) {
+  const bool sees =
+      !scene_flag.empty() || options.dataset || options.no_tof || options.truth ||
+      std::ranges::any_of(options.faults, [](const emu::FaultPlan& plan) { return !plan.empty(); });
+  if (options.replay && sees) {
+    return "--replay: what the cameras saw is in the recording: leave scene, dataset and faults "
+           "out";
+  }
+  if (!scene_flag.empty() && options.dataset) {
+    return scene_flag + " and --dataset exclude each other; leave one out";
+  }
+  if (options.tof && (options.no_tof || !options.dataset)) {
+    return "--tof belongs to a --dataset, and excludes --no-tof";
+  }
+  return {};
 }
 
 }  // namespace
@@ -142,11 +162,8 @@ std::expected<EmuOptions, Refusal> parse_emu_options(std::span<const std::string
     }
     ++i;
   }
-  if (!scene_flag.empty() && options.dataset) {
-    return refuse(scene_flag + " and --dataset exclude each other; leave one out");
-  }
-  if (options.tof && (options.no_tof || !options.dataset)) {
-    return refuse("--tof belongs to a --dataset, and excludes --no-tof");
+  if (std::string line = contradiction(options, scene_flag); !line.empty()) {
+    return refuse(std::move(line));
   }
   if (options.no_tof) {
     options.scene.pmd = emu::Size{};
@@ -160,7 +177,7 @@ std::expected<EmuOptions, Refusal> parse_emu_options(std::span<const std::string
       return refuse(std::move(rig.error()));
     }
   }
-  if (renders_as_it_goes(options.scene) && !options.free_run) {
+  if (!options.replay && renders_as_it_goes(options.scene) && !options.free_run) {
     return refuse("--scene " + options.scene.name +
                   ": its pictures take longer than real time: add --free-run");
   }
@@ -177,6 +194,12 @@ std::string_view usage() noexcept {
       "  --no-tof             a rig without PMD camera\n"
       "  --truth FILE         write the exact depth as PFM: Z in metres, left view, inf = "
       "unknown\n"
+      "  --replay FILE        compute depth again of a recording with raw pictures (stof record "
+      "--raw), with\n"
+      "                       its settings and stamps, and compare it with what was recorded: "
+      "exit code 0\n"
+      "                       where all of it is equal. --free-run: as fast as this machine "
+      "computes\n"
       "  --free-run           emulated time, as fast as this machine computes\n"
       "  --fault D:KIND:N[+K][:M]\n"
       "                       fault at call N, and at those behind it until there are K (and again "

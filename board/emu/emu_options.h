@@ -21,6 +21,7 @@ struct EmuOptions {
   std::optional<std::filesystem::path> tof;
   bool no_tof = false;
   std::optional<std::filesystem::path> truth;
+  std::optional<std::filesystem::path> replay;  // recording whose raw pictures are computed again
   bool free_run = false;
   std::array<hal::emu::FaultPlan, kDeviceCount> faults;
 

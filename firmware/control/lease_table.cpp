@@ -91,7 +91,7 @@ bool LeaseTable::give_raw(Entry& entry, const wire::RawRequest& raw, bool with_k
     other.raw = {};
   }
   entry.raw = raw;
-  entry.raw.pictures &= wire::kRawPictures | wire::kRawWhole;
+  entry.raw.pictures &= wire::kRawPictures | wire::kRawWhole | wire::kRawAnew;
   return true;
 }
 

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "firmware/wire/frame/raw_packets.h"
+
 namespace stof::firmware {
 namespace {
 
@@ -46,6 +48,7 @@ Status Loop::step() noexcept {
 }
 
 Status Loop::run_period() noexcept {
+  follow_replay();
   wait_for_edge();
   const Result<hal::Time> edge = pulse();  // shot n begins to expose
   Status status = publish_waiting();       // shot n - 1, if it had to wait for its turn
@@ -54,7 +57,9 @@ Status Loop::run_period() noexcept {
   }
   status = lost_or_ok(status, collect(*edge));  // pairs stereo and PMD with this edge
   publisher_.report_events();                   // not after what is paced over the period
-  if (schedule_.same_period() && board_.clock.now() < schedule_.next()) {
+  // What is computed again is computed with what holds at its own edge.
+  const bool in_time = schedule_.same_period() && board_.clock.now() < schedule_.next();
+  if (in_time || board_.replay != nullptr) {
     status = lost_or_ok(status, publish_held(schedule_.send_deadline(), true));
   }
   return status;
@@ -81,11 +86,27 @@ void Loop::lend_devices() noexcept {
   lend(board::Device::kPmd, Component::kPmd, collector_.holds_pmd() || (held_ && held_->pmd));
 }
 
+void Loop::note_begun_anew() noexcept {
+  begun_anew_ = true;
+  pipeline_.forget_match();
+  collector_.forget_pmd();
+  last_edge_.reset();
+}
+
 void Loop::restart(const board::TimingConfig& timing) noexcept {
   schedule_.restart(timing, board_.clock.now());
   pipeline_.forget_match();
   collector_.forget_pmd();
   last_edge_.reset();
+}
+
+// Edges of a recording are due when they were.
+void Loop::follow_replay() noexcept {
+  const std::optional<hal::Time> due =
+      board_.replay == nullptr ? std::nullopt : board_.replay->next_edge();
+  if (due) {
+    schedule_.follow(*due);
+  }
 }
 
 void Loop::wait_for_edge() noexcept {
@@ -106,6 +127,7 @@ Result<hal::Time> Loop::pulse() noexcept {
     const hal::Duration tolerance = schedule_.timing().edge_tolerance;
     if (*edge >= planned - tolerance && *edge <= board_.clock.now()) {
       counters.skipped_periods += schedule_.keep_distance(*edge);
+      follow_replay();  // until then frames of this edge may come
       return edge;
     }
     // A time that cannot be: nobody knows what was exposed when.
@@ -141,6 +163,9 @@ Status Loop::publish_held(hal::Time latest, bool usual) noexcept {
     note_gap(*held_);
     const Output& output = pipeline_.compute(*held_, board_.clock);
     const hal::Time computed = board_.clock.now();
+    if (board_.replay != nullptr) {
+      board_.replay->computed(held_->edge, output.map);
+    }
     ++counters.published;
     counters.with_pair += held_->stereo ? 1U : 0U;
     counters.with_pmd += held_->pmd_exposed ? 1U : 0U;
@@ -148,11 +173,11 @@ Status Loop::publish_held(hal::Time latest, bool usual) noexcept {
     conditions_.note_link_status(sent);
     const hal::Duration published = board_.clock.now() - computed;
     pipeline_.watch(board_.clock);
-    publisher_.offer_raw(*held_);
     count_stages(output.stats, published, counters);
     if (usual && held_->stereo) {  // without a pair it costs less than usual
       update_schedule(output.stats, held_->edge);
     }
+    publisher_.offer_raw(*held_, schedule_.next());
   }
   pipeline_.forget_match();
   held_.reset();  // its slots go home
@@ -163,10 +188,15 @@ bool Loop::is_whole(const Shot& shot) const noexcept {
   return shot.sensors() == (board_.pmd == nullptr ? kStereoSensor : kBothSensors);
 }
 
-void Loop::note_gap(const Shot& shot) noexcept {
+void Loop::note_gap(Shot& shot) noexcept {
+  if (std::exchange(begun_anew_, false)) {
+    shot.state |= wire::kRawBegunAnew;
+  }
   // A camera that was lost may expose otherwise than before, however soon it is back.
-  if (!last_edge_ || schedule_.gap(*last_edge_, shot.edge) ||
-      shot.stereo_losses != stereo_losses_ || shot.sensors() != sensors_) {
+  const bool follows = last_edge_ && !schedule_.gap(*last_edge_, shot.edge) &&
+                       shot.stereo_losses == stereo_losses_ && shot.sensors() == sensors_;
+  if (board_.replay == nullptr ? !follows : board_.replay->forgets_past()) {
+    shot.state |= wire::kRawForgotPast;
     pipeline_.forget_past();
   }
   last_edge_ = shot.edge;

@@ -49,12 +49,16 @@ class Loop {
   // From now on cameras are judged by the setup's calibration; of the same sizes. Then restart().
   void recalibrate(const Setup& setup) noexcept { collector_.recalibrate(setup); }
 
+  // The pipeline was built anew: it remembers no frame, and no samples.
+  void note_begun_anew() noexcept;
+
   // After a pause, with another timing perhaps; board::problem(timing) must be empty.
   void restart(const board::TimingConfig& timing) noexcept;
 
  private:
   Status run_period() noexcept;
   void lend_devices() noexcept;
+  void follow_replay() noexcept;
   void wait_for_edge() noexcept;
   Result<hal::Time> pulse() noexcept;
   // A shot that was collected before this period.
@@ -64,8 +68,8 @@ class Loop {
   // Of all sensors of this rig.
   bool is_whole(const Shot& shot) const noexcept;
   // Tells the pipeline where this shot does not follow the one that was computed before it, or has
-  // other sensors than that.
-  void note_gap(const Shot& shot) noexcept;
+  // other sensors than that; and the shot what it is computed with.
+  void note_gap(Shot& shot) noexcept;
   // By what this frame has cost.
   void update_schedule(const Stats& stats, hal::Time edge) noexcept;
   Status collect(hal::Time edge) noexcept;
@@ -81,6 +85,7 @@ class Loop {
   std::optional<hal::Time> last_edge_;  // of the shot that was computed last; none: a gap follows
   std::uint64_t stereo_losses_ = 0;     // of the camera, up to that shot
   Sensors sensors_ = kBothSensors;      // of that shot
+  bool begun_anew_ = true;              // since that shot
 };
 
 }  // namespace stof::firmware

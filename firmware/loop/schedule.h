@@ -42,6 +42,9 @@ class Schedule {
   // A frame of that edge is too old to be sent.
   bool expired(hal::Time edge, hal::Time now) const noexcept;
 
+  // The next edge is due then: it is one of a recording.
+  void follow(hal::Time next) noexcept { next_ = next; }
+
   // Frames of these two edges, with none between them, do not follow each other: three periods in a
   // row had no frame, which is what LoopConditions takes for more than an incident. Why they had
   // none does not matter, also not that the computer was too slow: what moved meanwhile is unseen.

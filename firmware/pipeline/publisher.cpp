@@ -68,6 +68,7 @@ void Publisher::set_params(const PublisherParams& params) noexcept {
   params_ = params;
   setup_.calibration.period_ns = params.period.count();
   raw_.set_period(params.period);
+  raw_.set_search(params.pmd_every, params.disparities);
   if (params.max_range > 0) {
     setup_.calibration.max_range = params.max_range;
   }
@@ -81,7 +82,7 @@ void Publisher::set_calibration(const wire::CalibrationPacket& calibration) noex
   calibration_due_.reset();
 }
 
-void Publisher::set_receivers(const ReceiverList& receivers) noexcept {
+bool Publisher::set_receivers(const ReceiverList& receivers) noexcept {
   static_assert(kMostSubscribers <= hal::DatagramPort::kShallowStream);
   std::array<std::optional<Way>, kMostSubscribers> ways{};
   std::array<bool, kMostSubscribers> taken{};
@@ -107,10 +108,12 @@ void Publisher::set_receivers(const ReceiverList& receivers) noexcept {
   const hal::Peer* const had = raw_receiver(receivers_);
   const hal::Peer* const has = raw_receiver(receivers);
   const bool same = had != nullptr && has != nullptr && *had == *has;
-  if (!same || receivers_.raw != receivers.raw) {
+  const bool asked = !same || receivers_.raw != receivers.raw;
+  if (asked) {
     raw_.ask(has == nullptr ? wire::RawRequest{} : receivers.raw);
   }
   receivers_ = receivers;
+  return asked && has != nullptr && (receivers.raw.pictures & wire::kRawAnew) != 0;
 }
 
 Status Publisher::publish(const Shot& shot, const Output& output, hal::Time latest) noexcept {
@@ -310,8 +313,10 @@ class Publisher::RawWay final : public RawSender::Way {
   Publisher& publisher_;
 };
 
-void Publisher::offer_raw(Shot& shot) noexcept {
+void Publisher::offer_raw(Shot& shot, hal::Time until) noexcept {
   if (stamp_) {
+    RawWay way(*this);
+    raw_.hurry(until, way);
     raw_.offer(shot, *stamp_);
   }
 }

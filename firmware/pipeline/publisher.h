@@ -36,6 +36,8 @@ struct PublisherParams {
   std::uint32_t revision = 0;     // of the settings
   std::uint32_t fingerprint = 0;  // of them
   std::uint32_t blinding = 0;     // by them: HealthMonitor::Blindness, the sum
+  int pmd_every = 1;              // of the trigger's edges; sent with raw pictures, as the next
+  int disparities = 0;            // that are searched
   dsp::QuarterMm max_range = 0;   // sent with the calibration, as the period; 0: as at start
 };
 
@@ -60,8 +62,9 @@ class Publisher {
   void set_params(const PublisherParams& params) noexcept;
   // Of the frames from now on, with pictures of the same sizes; receivers get it before the first.
   void set_calibration(const wire::CalibrationPacket& calibration) noexcept;
-  // The receivers from now on; a new one gets calibration and health at once.
-  void set_receivers(const ReceiverList& receivers) noexcept;
+  // The receivers from now on; a new one gets calibration and health at once. True: raw pictures
+  // are asked for anew, from a state that begins anew (wire::kRawAnew).
+  bool set_receivers(const ReceiverList& receivers) noexcept;
 
   // Sends one frame, paced so that it ends at `latest` at most, or at once when that has passed.
   // Counts packets. Never blocks longer than until `latest`, nor longer than 50 ms; a frame that
@@ -69,8 +72,9 @@ class Publisher {
   // kDeviceError: no receiver can be reached. kDeviceLost: reopen.
   Status publish(const Shot& shot, const Output& output, hal::Time latest) noexcept;
   // A shot whose frame was published, and that nobody needs any more: its pictures go, in time that
-  // is left, to a receiver that asked for them.
-  void offer_raw(Shot& shot) noexcept;
+  // is left, to a receiver that asked for them. Those of the shot before that are still on their
+  // way go first, and at once, until `until`.
+  void offer_raw(Shot& shot, hal::Time until = {}) noexcept;
   // Waits, and sends raw pictures meanwhile: what the loop does until an edge.
   void wait_until(hal::Time time) noexcept;
   // What is lent of raw pictures goes home: a camera is to be opened again.

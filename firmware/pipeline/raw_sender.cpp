@@ -31,9 +31,11 @@ void RawSender::ask(const wire::RawRequest& request) noexcept {
   wait_ = 0;
   number_ = 0;
   dropped_ = 0;
+  state_ = 0;
 }
 
 void RawSender::offer(Shot& shot, const wire::FrameStamp& stamp) noexcept {
+  state_ |= shot.state;
   const std::uint8_t wanted = request_.pictures & wire::kRawPictures;
   const std::uint8_t pictures = wanted & pictures_of(shot);
   if (wait_ > 0) {
@@ -53,8 +55,12 @@ void RawSender::offer(Shot& shot, const wire::FrameStamp& stamp) noexcept {
 }
 
 void RawSender::begin(Shot& shot, std::uint8_t pictures, const wire::FrameStamp& stamp) noexcept {
-  wire::RawInfo info{
-      .edge_ns = shot.edge.time_since_epoch().count(), .number = ++number_, .dropped = dropped_};
+  wire::RawInfo info{.edge_ns = shot.edge.time_since_epoch().count(),
+                     .number = ++number_,
+                     .dropped = dropped_,
+                     .state = std::exchange(state_, std::uint8_t{0}),
+                     .pmd_every = pmd_every_,
+                     .disparities = disparities_};
   wire::RawImages images;
   if ((pictures & (wire::kRawLeft | wire::kRawRight)) != 0) {
     stereo_.emplace(std::move(*shot.stereo));
@@ -80,6 +86,7 @@ void RawSender::begin(Shot& shot, std::uint8_t pictures, const wire::FrameStamp&
   next_ = 0;
   start_ = clock_.now();
   not_before_ = start_;
+  hurries_ = false;
   retry_ = kRetry / 2;
   if (packets_.count() == 0) {
     ++dropped_;
@@ -89,6 +96,9 @@ void RawSender::begin(Shot& shot, std::uint8_t pictures, const wire::FrameStamp&
 
 // Spread evenly over most of the time up to the next exposure that is due.
 hal::Time RawSender::burst_due() const noexcept {
+  if (hurries_) {
+    return not_before_;
+  }
   const hal::Duration whole =
       std::clamp(std::max<std::int64_t>(request_.every, 1) * period_ * 3 / 4, hal::Duration::zero(),
                  kMostSpread);

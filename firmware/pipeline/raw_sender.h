@@ -51,6 +51,11 @@ class RawSender {
   // From now on, with counts that begin anew; pictures 0: nobody wants any.
   void ask(const wire::RawRequest& request) noexcept;
   void set_period(hal::Duration period) noexcept { period_ = period; }
+  // Told with each exposure.
+  void set_search(int pmd_every, int disparities) noexcept {
+    pmd_every_ = static_cast<std::uint8_t>(pmd_every);
+    disparities_ = static_cast<std::uint16_t>(disparities);
+  }
 
   // A frame was made of `shot` and sent, and nobody needs the shot any more: takes the frames of
   // the cameras out of it where its pictures are to be sent.
@@ -58,6 +63,13 @@ class RawSender {
   // Sends what is due, for as long as the time up to `until` allows, and waits between bursts.
   // Returns before `until`, or at once where it has passed.
   void send_until(hal::Time until, Way& way) noexcept;
+  // As send_until(), but spread over no more time than the link wants: another exposure is due.
+  void hurry(hal::Time until, Way& way) noexcept {
+    hurries_ = wait_ == 0;
+    if (hurries_) {
+      send_until(until, way);
+    }
+  }
   // The slots go home now: a camera is to be opened again.
   void give_back() noexcept;
 
@@ -75,9 +87,12 @@ class RawSender {
   hal::Clock& clock_;
   wire::RawRequest request_{};
   hal::Duration period_{};
+  std::uint8_t pmd_every_ = 1;
+  std::uint16_t disparities_ = 0;
   std::uint32_t wait_ = 0;    // frames before the next exposure is due
   std::uint32_t number_ = 0;  // exposures that were begun
   std::uint32_t dropped_ = 0;
+  std::uint8_t state_ = 0;  // of the shots since the last exposure that was begun
   // The exposure on its way.
   std::optional<hal::BorrowedFrame<hal::StereoFrame>> stereo_;
   std::optional<hal::BorrowedFrame<hal::PmdFrame>> pmd_;
@@ -85,6 +100,7 @@ class RawSender {
   std::size_t next_ = 0;
   hal::Time start_{};
   hal::Time not_before_{};  // the next burst
+  bool hurries_ = false;
   hal::Duration retry_ = kRetry;
   std::array<wire::DatagramBuffer, kBurst> buffers_{};
 };

@@ -29,6 +29,8 @@ struct Shot {
   std::uint32_t freshness = 0;           // advances with each shot: each has a new exposure
   std::uint32_t missed_edges = 0;        // without a frame, since the last with one
   std::uint64_t stereo_losses = 0;       // of the camera, so far
+  // What it was computed with: RawInfo::state, of this shot alone. Told once that is known.
+  std::uint8_t state = 0;
 
   Sensors sensors() const noexcept {
     return static_cast<Sensors>((stereo ? kStereoSensor : kNoSensor) |

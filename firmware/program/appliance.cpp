@@ -1,6 +1,7 @@
 #include "firmware/program/appliance.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "dsp/base/check.h"
@@ -8,6 +9,9 @@
 namespace stof::firmware {
 
 namespace {
+
+// For who asks for raw pictures the pipeline is built anew at most once in this time.
+constexpr hal::Duration kAnewPeriod = std::chrono::seconds(3);
 
 // Every page that the loop will use is written once, so that it meets none for the first time.
 std::span<std::byte> written(std::span<std::byte> memory, std::size_t bytes) noexcept {
@@ -67,12 +71,18 @@ void Appliance::apply(const RunConfig& run_config) noexcept {
   }
   if (rebuilt) {
     build(run_config);
+    loop_->note_begun_anew();
   }
   if (rebuilt || run_config.timing != run_config_.timing) {
     loop_->restart(run_config.timing);
   }
   loop_->require_both(run_config.setup.require_both);
   run_config_ = run_config;
+}
+
+void Appliance::begin_anew() noexcept {
+  build(run_config_);
+  loop_->note_begun_anew();
 }
 
 void Appliance::note(Event event) noexcept {
@@ -95,7 +105,7 @@ void Appliance::note_changes(const ControlStatus& control) noexcept {
 
 Status Appliance::step(const ControlStatus& control) noexcept {
   while (const std::optional<ReceiverList> receivers = parts_.receivers.pop()) {
-    publisher_.set_receivers(*receivers);
+    anew_wanted_ = publisher_.set_receivers(*receivers) || anew_wanted_;
   }
   std::optional<RunConfig> newest;
   while (const std::optional<RunConfig> run_config = parts_.run_configs.pop()) {
@@ -103,6 +113,12 @@ Status Appliance::step(const ControlStatus& control) noexcept {
   }
   if (newest) {
     apply(*newest);
+  }
+  const hal::Time now = parts_.board.clock.now();
+  if (anew_wanted_ && (!begun_anew_ || now - *begun_anew_ >= kAnewPeriod)) {
+    anew_wanted_ = false;
+    begun_anew_ = now;
+    begin_anew();
   }
   note_changes(control);
   const Status status = loop_->wait_part() ? loop_->step() : Status::kOk;

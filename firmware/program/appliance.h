@@ -55,6 +55,11 @@ class Appliance {
   // of the wait for it; health and events.
   Status step(const ControlStatus& control) noexcept;
 
+  // As if Parts::run_configs had brought it: takes effect before the next step().
+  void apply(const RunConfig& run_config) noexcept;
+  // Builds the pipeline anew: nothing of the frames before counts for the next.
+  void begin_anew() noexcept;
+
   const Publisher& publisher() const noexcept { return publisher_; }
   // RunConfig::installs of the configuration that frames are made with.
   std::uint32_t installs() const noexcept { return run_config_.installs; }
@@ -84,7 +89,6 @@ class Appliance {
     SerialSender sender;
   };
 
-  void apply(const RunConfig& run_config) noexcept;
   void note(Event event) noexcept;
   void note_changes(const ControlStatus& control) noexcept;
   void build(const RunConfig& run_config) noexcept;
@@ -98,6 +102,8 @@ class Appliance {
   std::optional<Pipeline> pipeline_;
   std::optional<Loop> loop_;
   std::uint32_t pairing_ = kPairingClosed;
+  bool anew_wanted_ = false;             // a receiver of raw pictures asked for it
+  std::optional<hal::Time> begun_anew_;  // for the last time because of that
 };
 
 }  // namespace stof::firmware

@@ -14,8 +14,13 @@ using wire::SettingsResult;
 CalibrationInstaller::CalibrationInstaller(const Parts& parts) : parts_(parts) {
   if (parts.store != nullptr) {
     file_.resize(most_calibration_bytes(*parts.rig.needs.board));
+    installed_.resize(file_.size());
     next_pattern_.resize(pattern_pixels(*parts.rig.needs.board));
     parts.rig.fixed_pattern.resize(next_pattern_.size());  // moves nothing: it has it, or is empty
+  }
+  if (parts.store != nullptr && parts.rig.installed) {
+    const Result<std::optional<std::size_t>> bytes = parts.store->load(installed_);
+    installed_bytes_ = bytes ? bytes->value_or(0) : 0;
   }
 }
 
@@ -92,10 +97,20 @@ SettingsResult CalibrationInstaller::change(std::span<const std::byte> file, boo
   }
   rig.installed = keep;
   rig.dropped = CalibrationDropped::kNot;
+  if (keep) {  // `file` is what was uploaded
+    installed_bytes_ = file.size();
+    std::swap(file_, installed_);
+    bytes_ = 0;
+  }
   former_ = former;
   parts_.sink.use_rig();
   tell(by);
   return result;
+}
+
+std::span<const std::byte> CalibrationInstaller::file_in_force() const noexcept {
+  const RigInfo& rig = parts_.rig;
+  return rig.installed ? std::span(installed_).first(installed_bytes_) : std::span(rig.factory);
 }
 
 Status CalibrationInstaller::store(std::span<const std::byte> file, bool keep) noexcept {

@@ -54,6 +54,8 @@ class CalibrationInstaller final : public upload::Target {
     return {.in_force = parts_.rig.fingerprint, .former = former_};
   }
 
+  std::span<const std::byte> file_in_force() const noexcept override;
+
   // The installed calibration of the start is not used, and still there.
   CalibrationDropped dropped() const noexcept { return parts_.rig.dropped; }
 
@@ -67,6 +69,8 @@ class CalibrationInstaller final : public upload::Target {
   Parts parts_;
   std::vector<std::byte> file_;  // what was uploaded
   std::size_t bytes_ = 0;        // of it
+  std::vector<std::byte> installed_;
+  std::size_t installed_bytes_ = 0;  // of it; 0: it is not known
   // Of the next calibration; the rig's belongs to the loop.
   std::vector<std::int16_t> next_pattern_;
   std::uint32_t former_ = 0;

@@ -189,6 +189,10 @@ void ControlServices::tick(hal::Time now) noexcept {
 
 bool ControlServices::accepts(const settings::Settings& settings,
                               settings::PagedWriter& why) noexcept {
+  if (parts_.board.replay != nullptr) {
+    why << "this is a replay: settings and calibration are those of the recording";
+    return false;
+  }
   const auto& line = settings.serial.device;
   if (line != settings_server_.active().serial.device && !board::takes_serial_line(line.view())) {
     why << "serial.device: takes a line of board " << board::kConfig.name << ":";

@@ -26,6 +26,7 @@
 #include "firmware/program/initial_settings.h"
 #include "firmware/program/options.h"
 #include "firmware/program/reopener.h"
+#include "firmware/program/replay_driver.h"
 #include "firmware/program/run_config.h"
 #include "firmware/program/update_parts.h"
 #include "firmware/settings/fields/schema.h"
@@ -174,10 +175,45 @@ void note_round(const Appliance& appliance) {
   loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
 }
 
-// Ends with the loop; the control thread before it.
-void run_loop(board::Board& board, const Options& options, RigInfo& rig,
-              const RunConfig& run_config, const InitialSettings& start, update::Updater& updater,
-              posix::WorkerThreads& workers) {
+wire::ClockState clock_of(const board::Board& board) {
+  if (board.replay != nullptr) {
+    return wire::ClockState::kRecorded;
+  }
+  return board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic;
+}
+
+// What came of a replay: the exit code.
+int judge_replay(const board::Board& board, const std::string& problem) {
+  if (board.replay == nullptr) {
+    return kExitOk;
+  }
+  const board::Replay::Verdict verdict = board.replay->verdict();
+  for (const std::string& line : verdict.lines) {
+    print_line(line);
+  }
+  if (!problem.empty()) {
+    return refuse(problem, kExitFailure);
+  }
+  return verdict.equal ? kExitOk : kExitFailure;
+}
+
+// Until it is stopped, has made its frames, or the recording is over.
+void run_rounds(Appliance& appliance, WatchdogFeeder& watchdog, const Options& options,
+                ReplayDriver* replay) {
+  while ((replay == nullptr || replay->prepare(appliance)) &&
+         !stop_requested.load(std::memory_order_relaxed) &&
+         restart.load(std::memory_order_relaxed) == update::Restart::kNone &&
+         (options.frames == 0 || events.counters.published < options.frames)) {
+    static_cast<void>(appliance.step(control->status(appliance.serial())));
+    watchdog.after_round();
+    note_round(appliance);
+  }
+}
+
+// Ends with the loop; the control thread before it. Returns the exit code.
+int run_loop(board::Board& board, const Options& options, RigInfo& rig, const board::Config& config,
+             const RunConfig& run_config, const InitialSettings& start, update::Updater& updater,
+             posix::WorkerThreads& workers) {
   std::optional<settings::SettingsTrial> trial;
   if (start.store != nullptr) {
     trial.emplace(start.stores(), start.saved.settings, !start.saved.on_trial);
@@ -197,9 +233,7 @@ void run_loop(board::Board& board, const Options& options, RigInfo& rig,
        .threads = {workers, workers.threads()},
        .changes = &changes,
        .lending = &lending},
-      {.origin = origin,
-       .clock = board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic,
-       .calibration = run_config.calibration},
+      {.origin = origin, .clock = clock_of(board), .calibration = run_config.calibration},
       run_config, {.images = workspace.memory, .coded = workspace.coded});
   control.emplace(ControlServices::Parts{.board = board,
                                          .rig = rig,
@@ -227,14 +261,13 @@ void run_loop(board::Board& board, const Options& options, RigInfo& rig,
   // Only now: what the other threads do can wait.
   static_cast<void>(board::set_realtime_priority(true));
   board::count_heap_calls();
-  while (!stop_requested.load(std::memory_order_relaxed) &&
-         restart.load(std::memory_order_relaxed) == update::Restart::kNone &&
-         (options.frames == 0 || events.counters.published < options.frames)) {
-    static_cast<void>(appliance.step(control->status(appliance.serial())));
-    watchdog.after_round();
-    note_round(appliance);
+  std::optional<ReplayDriver> replay;
+  if (board.replay != nullptr) {
+    replay.emplace(*board.replay, rig, config, start.active, options);
   }
+  run_rounds(appliance, watchdog, options, replay ? &*replay : nullptr);
   end_loop(watchdog);
+  return judge_replay(board, replay ? replay->problem() : std::string());
 }
 
 void say_refusal(const std::optional<std::string>& refusal) {
@@ -271,6 +304,14 @@ void print_release(const UpdateParts& parts, const update::Updater& updater) {
 
 int run(board::Board& board, const Options& options, InitialSettings start,
         const UpdateParts& parts) {
+  const board::Config config = ReplayDriver::config(board);
+  if (board.replay != nullptr) {
+    auto settings = ReplayDriver::first_settings(*board.replay, start.active, options);
+    if (!settings) {
+      return refuse(settings.error());
+    }
+    start.active = *settings;
+  }
   std::string note;
   auto rig =
       make_rig(board, board::kConfig, options.calibration, read_installed(options, start), note);
@@ -291,7 +332,7 @@ int run(board::Board& board, const Options& options, InitialSettings start,
   }
   static_cast<void>(board::set_realtime_priority(false));
   rig->threads = workers.threads();
-  auto run_config = make_run_config(*rig, board::kConfig, start.active);
+  auto run_config = make_run_config(*rig, config, start.active);
   if (!run_config) {
     return refuse(run_config.error());
   }
@@ -304,12 +345,12 @@ int run(board::Board& board, const Options& options, InitialSettings start,
   read_keys(options, *ring);
   update::Updater updater(parts.setup());
   print_release(parts, updater);
-  run_loop(board, options, *rig, *run_config, start, updater, workers);
+  const int code = run_loop(board, options, *rig, config, *run_config, start, updater, workers);
   pairing.reset();
   ring.reset();
   print_line(summary(events.counters));
   print_line(stage_times(events.counters));
-  return end_of(updater);
+  return code == kExitOk ? end_of(updater) : code;
 }
 
 int print(const std::string& text) {

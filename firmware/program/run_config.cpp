@@ -256,6 +256,8 @@ std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
     run_config.timing.period = std::chrono::milliseconds(settings.period_ms);
   }
   run_config.publisher.period = run_config.timing.period;
+  run_config.publisher.pmd_every = run_config.timing.pmd_every;
+  run_config.publisher.disparities = run_config.setup.depth.match.disparities;
   run_config.publisher.max_range = run_config.setup.depth.fusion.max_range;
   if (const char* const why = board::problem(run_config.timing); *why != '\0') {
     return std::unexpected(std::string("period_ms: ") + why + ": choose another period");

@@ -128,6 +128,7 @@ SettingsServer::Result SettingsServer::serve(const wire::SettingsRequest& reques
     case Operation::kKeys:
     case Operation::kUnpair:
     case Operation::kUpload:
+    case Operation::kDownload:
       break;
   }
   return Result::kUnsupported;

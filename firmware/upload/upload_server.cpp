@@ -16,6 +16,13 @@ wire::SettingsAnswer UploadServer::serve(const wire::SettingsRequest& request,
                                          const firmware::Requester& by,
                                          std::span<std::byte> answer_text,
                                          std::size_t& answer_bytes) noexcept {
+  if (request.operation == SettingsOperation::kDownload) {
+    PagedWriter why(settings::as_writable_text(answer_text));
+    Result result = Result::kOk;
+    answer_bytes = download(text, answer_text, result, why);
+    answer_bytes = result == Result::kOk ? answer_bytes : why.text().size();
+    return {.result = result};
+  }
   if (request.operation != SettingsOperation::kUpload) {
     return others_.serve(request, text, by, answer_text, answer_bytes);
   }
@@ -55,6 +62,34 @@ Target* UploadServer::target_of(std::uint8_t kind) const noexcept {
       return update_;
   }
   return nullptr;
+}
+
+std::size_t UploadServer::download(std::span<const std::byte> text,
+                                   std::span<std::byte> answer_text, Result& result,
+                                   PagedWriter& why) const noexcept {
+  const auto asked = wire::decode_download_request(text);
+  Target* const target = asked ? target_of(asked->kind) : nullptr;
+  if (target == nullptr) {
+    result = asked ? Result::kUnsupported : Result::kInvalid;
+    why << "download: no such thing: update this program or the sensor";
+    return 0;
+  }
+  const std::span<const std::byte> whole = target->file_in_force();
+  if (whole.empty() || answer_text.size() < wire::kDownloadAnswerBytes) {
+    result = Result::kNotSaved;
+    why << "download: this sensor cannot give it";
+    return 0;
+  }
+  const std::size_t from = std::min<std::size_t>(asked->offset, whole.size());
+  const std::size_t count =
+      std::min({whole.size() - from, kChunkBytes, answer_text.size() - wire::kDownloadAnswerBytes});
+  wire::encode_download_answer({.total = static_cast<std::uint32_t>(whole.size()),
+                                .offset = asked->offset,
+                                .fingerprint = target->versions().in_force},
+                               answer_text.first<wire::kDownloadAnswerBytes>());
+  std::ranges::copy(whole.subspan(from, count),
+                    answer_text.subspan(wire::kDownloadAnswerBytes).begin());
+  return wire::kDownloadAnswerBytes + count;
 }
 
 UploadServer::Result UploadServer::serve(const wire::UploadRequest& request,

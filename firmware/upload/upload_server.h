@@ -9,17 +9,20 @@
 #include "firmware/control/settings_service.h"
 #include "firmware/upload/upload_target.h"
 #include "firmware/wire/crypto/crypto.h"
+#include "firmware/wire/messages/download_answer.h"
+#include "firmware/wire/messages/download_request.h"
 #include "firmware/wire/messages/upload_answer.h"
 #include "firmware/wire/messages/upload_request.h"
 #include "hal/time.h"
 
 namespace stof::upload {
 
-// Serves the operation upload (docs/WIRE.md, "Uploads"), and leaves all others to who serves
-// settings. One upload at a time, of one key: its bytes come in their order, and the hash is that
-// of what came. Every request names the whole upload (kind, total, hash), so that any of them takes
-// up one that is under way, and begins one that is not: a client that starts anew, or hears
-// nothing, asks what is wanted and goes on there. For the control thread alone; no heap.
+// Serves the operations upload and download (docs/WIRE.md, "Uploads", "Downloads"), and leaves all
+// others to who serves settings. One upload at a time, of one key: its bytes come in their order,
+// and the hash is that of what came. Every request names the whole upload (kind, total, hash), so
+// that any of them takes up one that is under way, and begins one that is not: a client that starts
+// anew, or hears nothing, asks what is wanted and goes on there. For the control thread alone; no
+// heap.
 class UploadServer final : public firmware::SettingsService {
  public:
   // Of one request.
@@ -55,6 +58,9 @@ class UploadServer final : public firmware::SettingsService {
 
   Result serve(const wire::UploadRequest& request, std::span<const std::byte> bytes,
                const firmware::Requester& by, settings::PagedWriter& why) noexcept;
+  // Bytes of the answer; 0: refused.
+  std::size_t download(std::span<const std::byte> text, std::span<std::byte> answer_text,
+                       Result& result, settings::PagedWriter& why) const noexcept;
   Target* target_of(std::uint8_t kind) const noexcept;
   Result begin(const Identity& upload, settings::PagedWriter& why) noexcept;
   Result take(std::uint32_t offset, std::span<const std::byte> bytes,

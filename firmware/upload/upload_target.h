@@ -38,6 +38,9 @@ class Target {
   virtual wire::SettingsResult revert(const firmware::Requester& by,
                                       settings::PagedWriter& why) noexcept = 0;
   virtual Versions versions() const noexcept = 0;
+  // The bytes of what is in force, valid until the next call of another function here; empty: they
+  // cannot be given, as those of most kinds.
+  virtual std::span<const std::byte> file_in_force() const noexcept { return {}; }
 };
 
 }  // namespace stof::upload

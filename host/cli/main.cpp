@@ -19,6 +19,7 @@
 #include "host/cli/recording/info.h"
 #include "host/cli/recording/record.h"
 #include "host/cli/recording/recover.h"
+#include "host/cli/recording/replay.h"
 #include "host/cli/report.h"
 #include "host/cli/update.h"
 #include "host/cli/view/raw_flags.h"
@@ -54,6 +55,7 @@ struct Commands {
   InfoOptions info;
   RecoverOptions recover;
   ExportOptions exported;
+  ReplayOptions replay;
 };
 
 void add_evaluate(CLI::App& app, Commands& commands) {
@@ -130,6 +132,7 @@ int run(int argc, char** argv) {
   add_info(app, commands.info);
   add_recover(app, commands.recover);
   add_export(app, commands.exported);
+  add_replay(app, commands.replay);
   add_report(app, commands.report);
   add_calib(app, commands.calib_pmd, commands.calib_install, commands.calib_rig);
   add_config(app, commands.config);
@@ -172,7 +175,13 @@ int main(int argc, char** argv) {
   using stof::host::Exit;
   std::set_new_handler(nullptr);  // from here on it is an exception
   try {
-    return stof::host::run(argc, argv);
+    const int code = stof::host::run(argc, argv);
+    // What nobody can read was not said: a full disk, a terminal that has gone.
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+      return stof::host::complain(Exit::kFailure,
+                                  "its output cannot be written: make room, or send it elsewhere");
+    }
+    return code;
   } catch (const stof::host::Failure& failure) {
     return stof::host::complain(failure.code(), failure.what());
   } catch (const std::bad_alloc&) {

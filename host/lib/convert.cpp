@@ -143,7 +143,7 @@ stof_frame to_frame(const Taken& taken) noexcept {
   out.packets = frame.packets;
   out.missing_packets = frame.missing_packets;
   out.recovered_packets = frame.recovered_packets;
-  out.emulated = frame.stamp.clock == wire::ClockState::kEmulated ? 1 : 0;
+  out.emulated = static_cast<std::uint8_t>(frame.stamp.clock);
   out.depth = to_plane(frame.depth, frame, Stream::kDepth);
   out.interval_width = to_plane(frame.interval_width, frame, Stream::kWidth);
   out.source = to_plane(frame.source, frame, Stream::kSource);

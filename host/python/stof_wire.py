@@ -92,6 +92,8 @@ class Health(enum.IntEnum):
 class ClockState(enum.IntEnum):
     MONOTONIC = 0  # nanoseconds of the sensor's own clock, synchronised with nothing
     EMULATED = 1  # an emulated rig's own time
+    # of a recording that is played again: the stamps, and what they stamp, are of the past
+    RECORDED = 2
 
 
 class Severity(enum.IntEnum):
@@ -142,6 +144,8 @@ class SettingsOperation(enum.IntEnum):
     UNPAIR = 9
     # an upload request follows, and a chunk of what is uploaded, see "Uploads"; for an admin
     UPLOAD = 10
+    # a download request follows: reads a part of what is longer than a document, see "Downloads"
+    DOWNLOAD = 11
 
 
 class SettingsDocument(enum.IntEnum):
@@ -491,7 +495,8 @@ class Layout:
 @dataclasses.dataclass
 class RawRequest(Layout):
     # raw pictures that are asked for, the sum of: 1 the left camera's, 2 the right one's, 4 the PMD
-    # camera's samples; 8: only exposures that have all of these. 0: none; see "Raw pictures"
+    # camera's samples; 8: only exposures that have all of these; 16: the sensor begins anew all
+    # that counts from frame to frame. 0: none; see "Raw pictures"
     pictures: int = 0
     step: int = 0  # of the pair: one column and one row of so many is sent; 0: each, as 1
     every: int = 0  # one exposure of so many frames, the next that there is; 0: each, as 1
@@ -954,6 +959,11 @@ class RawInfo(Layout):
     pmd_height: int = 0  # rows
     pictures: int = 0  # that follow, the sum as in the request
     step: int = 0  # from one column or row of the pair to the next, pixels of the camera
+    # of what the frame was computed with, since the exposure sent before, the sum of: 1 all that
+    # counts from frame to frame was begun anew; 2 depth was averaged with no frame before
+    state: int = 0
+    pmd_every: int = 0  # the PMD camera exposes at every so many-th edge
+    disparities: int = 0  # candidates of the search, which settings may leave to the rig
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("edge_ns", "q", 1),
@@ -972,6 +982,9 @@ class RawInfo(Layout):
         ("pmd_height", "H", 1),
         ("pictures", "B", 1),
         ("step", "B", 1),
+        ("state", "B", 1),
+        ("pmd_every", "B", 1),
+        ("disparities", "H", 1),
         ("", "x", 2),
     )
 
@@ -1120,6 +1133,37 @@ class UploadAnswer(Layout):
         ("state", "H", 1),
         ("fingerprint", "I", 1),
         ("former", "I", 1),
+    )
+
+
+@dataclasses.dataclass
+class DownloadRequest(Layout):
+    """Behind a `settings_request` of operation download, in place of its text."""
+
+    kind: int = 0  # UploadKind: of what is read: those of uploads
+    offset: int = 0  # where the bytes of the answer begin
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("kind", "B", 1),
+        ("", "x", 3),
+        ("offset", "I", 1),
+    )
+
+
+@dataclasses.dataclass
+class DownloadAnswer(Layout):
+    """Behind the `settings_answer` with result ok to it, in place of its text. Bytes of what is in
+    force follow, up to the end of the payload."""
+
+    total: int = 0  # bytes of it all
+    offset: int = 0  # as it was asked for
+    fingerprint: int = 0  # of the calibration that is in force; of other kinds 0
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("total", "I", 1),
+        ("offset", "I", 1),
+        ("fingerprint", "I", 1),
+        ("", "x", 4),
     )
 
 

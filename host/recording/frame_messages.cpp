@@ -5,6 +5,7 @@
 
 #include "firmware/wire/messages/calibration.h"
 #include "firmware/wire/messages/frame_info.h"
+#include "firmware/wire/messages/raw_info.h"
 
 namespace stof::recording {
 namespace {
@@ -39,7 +40,8 @@ class FrameMessages {
         std::ranges::transform(image.row(y), std::back_inserter(pixels), value);
       }
     }
-    const bool grey = topic == Topic::kLeft || topic == Topic::kRight;
+    const bool grey = topic == Topic::kLeft || topic == Topic::kRight || topic == Topic::kRawLeft ||
+                      topic == Topic::kRawRight;
     const char* const narrow = grey ? "mono8" : "8UC1";
     add(topic, encode(Image{.header = header(),
                             .width = static_cast<std::uint32_t>(first.width()),
@@ -178,6 +180,29 @@ void append_event(TopicMessages& to, wire::Origin origin, const wire::EventRepor
                                       .origin = origin,
                                       .type = wire::PacketType::kEvent,
                                       .payload = payload})});
+}
+
+void append_settings(TopicMessages& to, std::string_view document, std::uint64_t log_time) {
+  to.push_back({.topic = Topic::kSettings, .log_time = log_time, .data = encode_string(document)});
+}
+
+void append_raw(TopicMessages& to, const client::RawExposure& exposure, std::uint64_t log_time) {
+  const client::Frame named{.origin = exposure.origin, .stamp = exposure.stamp};
+  FrameMessages messages(to, named, log_time);
+  std::array<std::byte, wire::kRawInfoBytes> payload{};
+  wire::encode_raw_info(exposure.info, payload);
+  messages.add(Topic::kRawEdge, encode(Packet{.header = messages.header(),
+                                              .origin = exposure.origin,
+                                              .stamp = exposure.stamp,
+                                              .type = wire::PacketType::kRawInfo,
+                                              .payload = payload}));
+  const auto as_it_is = [](auto pixel) { return pixel; };
+  messages.image(Topic::kRawLeft, exposure.left, as_it_is);
+  messages.image(Topic::kRawRight, exposure.right, as_it_is);
+  if (!exposure.pmd.front().empty()) {
+    messages.stacked(Topic::kRawPmd,
+                     std::span<const dsp::ImageView<const std::uint16_t>>(exposure.pmd), as_it_is);
+  }
 }
 
 }  // namespace stof::recording

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "firmware/wire/messages/event.h"
 #include "host/client/frame/frame.h"
+#include "host/client/raw/raw_exposure.h"
 #include "host/recording/topics.h"
 
 namespace stof::recording {
@@ -37,6 +39,11 @@ void append_health(TopicMessages& to, wire::Origin origin, const wire::HealthRep
                    std::uint64_t log_time);
 void append_event(TopicMessages& to, wire::Origin origin, const wire::EventReport& event,
                   std::uint64_t log_time);
+
+// The settings of a sensor from some frame on: the document, whose CRC-32C frame infos name.
+void append_settings(TopicMessages& to, std::string_view document, std::uint64_t log_time);
+// What the cameras gave: the edge, then the pictures that are there as a whole.
+void append_raw(TopicMessages& to, const client::RawExposure& exposure, std::uint64_t log_time);
 
 // A depth in `unit_um` micrometres as whole millimetres, half up; at most 65,535.
 constexpr std::uint16_t millimetres(std::uint16_t depth, std::uint32_t unit_um) noexcept {

@@ -10,19 +10,6 @@ namespace {
 
 using mcap::StreamReader;
 
-std::optional<Topic> topic_of(const mcap::FileIndex& index, std::uint16_t id) {
-  const auto channel = index.channels.find(id);
-  if (channel == index.channels.end()) {
-    return std::nullopt;
-  }
-  const auto schema = index.schemas.find(channel->second.schema_id);
-  const std::optional<Topic> topic = topic_named(channel->second.topic);
-  const bool ours = topic && schema != index.schemas.end() &&
-                    channel->second.message_encoding == kEncoding &&
-                    schema->second.name == info_of(*topic).schema().name;
-  return ours ? topic : std::nullopt;
-}
-
 // Counts frames and gaps.
 class Counter {
  public:
@@ -136,6 +123,19 @@ std::unexpected<Problem> in_file(const std::filesystem::path& file, const Proble
 
 }  // namespace
 
+std::optional<Topic> topic_of(const mcap::FileIndex& index, std::uint16_t id) {
+  const auto channel = index.channels.find(id);
+  if (channel == index.channels.end()) {
+    return std::nullopt;
+  }
+  const auto schema = index.schemas.find(channel->second.schema_id);
+  const std::optional<Topic> topic = topic_named(channel->second.topic);
+  const bool ours = topic && schema != index.schemas.end() &&
+                    channel->second.message_encoding == kEncoding &&
+                    schema->second.name == info_of(*topic).schema().name;
+  return ours ? topic : std::nullopt;
+}
+
 std::expected<Summary, Problem> summarise(const std::filesystem::path& file) {
   auto source = mcap::FileSource::open(file);
   if (!source) {
@@ -230,6 +230,9 @@ std::optional<RecordedFrame> FrameReader::take(Topic topic, const mcap::Message&
     case Topic::kSource:
     case Topic::kReceived:
     case Topic::kLeft:
+    case Topic::kRight:
+    case Topic::kDisparity:
+    case Topic::kPmdRaw:
       if (const std::optional<Image> image = decode_image(message.data)) {
         if (frame_ && frame_->stamp.number == message.sequence) {
           take_image(topic, *image);
@@ -272,16 +275,48 @@ void FrameReader::take_packet(Topic topic, const mcap::Message& message, const P
   }
 }
 
+// Of the cameras: of other sizes than depth.
+void FrameReader::take_picture(Topic topic, const Image& image) {
+  RecordedFrame& frame = *frame_;
+  const std::size_t pixels = std::size_t{image.width} * image.height;
+  if ((topic == Topic::kPmdRaw) != (image.encoding == "16UC1")) {
+    ++damaged_;
+    return;
+  }
+  if (topic == Topic::kPmdRaw) {
+    const std::size_t samples = frame.pmd.size();
+    if (image.height % samples != 0) {
+      ++damaged_;
+      return;
+    }
+    frame.pmd_width = static_cast<int>(image.width);
+    frame.pmd_height = static_cast<int>(image.height / samples);
+    const std::size_t bytes = image.data.size() / samples;
+    for (std::size_t k = 0; k < samples; ++k) {
+      frame.pmd[k].resize(pixels / samples);
+      wire::get_pixels(image.data.subspan(k * bytes, bytes), std::span(frame.pmd[k]));
+    }
+    return;
+  }
+  const bool other = !(topic == Topic::kLeft ? frame.right : frame.left).empty();
+  const int width = static_cast<int>(image.width);
+  const int height = static_cast<int>(image.height);
+  if (other && (frame.left_width != width || frame.left_height != height)) {
+    ++damaged_;
+    return;
+  }
+  frame.left_width = width;
+  frame.left_height = height;
+  std::vector<std::uint8_t>& eye = topic == Topic::kLeft ? frame.left : frame.right;
+  eye.resize(pixels);
+  wire::get_pixels(image.data, std::span(eye));
+}
+
 void FrameReader::take_image(Topic topic, const Image& image) {
   RecordedFrame& frame = *frame_;
   const std::size_t pixels = std::size_t{image.width} * image.height;
-  if (topic == Topic::kLeft) {
-    if (image.encoding != "16UC1") {
-      frame.left_width = static_cast<int>(image.width);
-      frame.left_height = static_cast<int>(image.height);
-      frame.left.resize(pixels);
-      wire::get_pixels(image.data, std::span(frame.left));
-    }
+  if (topic == Topic::kLeft || topic == Topic::kRight || topic == Topic::kPmdRaw) {
+    take_picture(topic, image);
     return;
   }
   const bool first = frame.width == 0;
@@ -290,7 +325,7 @@ void FrameReader::take_image(Topic topic, const Image& image) {
     ++damaged_;  // planes of one frame have one size
     return;
   }
-  const bool wide = topic == Topic::kDepth || topic == Topic::kWidth;
+  const bool wide = topic == Topic::kDepth || topic == Topic::kWidth || topic == Topic::kDisparity;
   if (wide != (image.encoding == "16UC1")) {
     ++damaged_;
     return;
@@ -300,6 +335,15 @@ void FrameReader::take_image(Topic topic, const Image& image) {
   if (topic == Topic::kReceived) {
     frame.received.resize(pixels);
     wire::get_pixels(image.data, std::span(frame.received));
+    return;
+  }
+  if (topic == Topic::kDisparity) {
+    std::vector<std::uint16_t> values(pixels);
+    wire::get_pixels(image.data, std::span(values));
+    frame.disparity.resize(pixels);
+    std::ranges::transform(values, frame.disparity.begin(), [](std::uint16_t value) {
+      return dsp::Disparity::from_raw(static_cast<std::int16_t>(value - 32768));
+    });
     return;
   }
   const auto arrived = [&](std::uint8_t bit) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <expected>
 #include <filesystem>
@@ -19,6 +20,9 @@
 namespace stof::recording {
 
 using mcap::Problem;
+
+// The topic of a channel, where it is one of ours: its name, encoding and schema.
+std::optional<Topic> topic_of(const mcap::FileIndex& index, std::uint16_t id);
 
 // Frame numbers that the recording does not have.
 struct Gap {
@@ -64,9 +68,14 @@ class RecordedFrame {
   std::vector<dsp::Source> source{};
   std::vector<dsp::Cause> cause{};
   std::vector<std::uint8_t> received{};
-  int left_width = 0;
+  int left_width = 0;  // of both eyes
   int left_height = 0;
   std::vector<std::uint8_t> left{};
+  std::vector<std::uint8_t> right{};
+  std::vector<dsp::Disparity> disparity{};  // of the size of depth
+  int pmd_width = 0;                        // of a sample
+  int pmd_height = 0;
+  std::array<std::vector<std::uint16_t>, 4> pmd{};
 
   // Views into this object: depth, width, source and cause as they were received.
   client::Frame view() const;
@@ -92,6 +101,7 @@ class FrameReader {
       : source_(std::move(source)), reader_(std::move(reader)) {}
   // The frame that this message ends, if it begins another one.
   std::optional<RecordedFrame> take(Topic topic, const mcap::Message& message);
+  void take_picture(Topic topic, const Image& image);
   void take_image(Topic topic, const Image& image);
   void take_packet(Topic topic, const mcap::Message& message, const Packet& packet);
 

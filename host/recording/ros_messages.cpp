@@ -246,6 +246,20 @@ Buffer encode_diagnostics(const MessageHeader& header, std::uint32_t device_id,
   return std::move(to).take();
 }
 
+mcap::Schema string_schema() { return schema_of("std_msgs/msg/String", "string data\n", {}); }
+
+Buffer encode_string(std::string_view text) {
+  CdrWriter to;
+  to.text(text);
+  return std::move(to).take();
+}
+
+std::optional<std::string> decode_string(Bytes message) {
+  CdrReader from(message);
+  std::string text = from.text();
+  return from.ok() ? std::optional(std::move(text)) : std::nullopt;
+}
+
 Buffer encode(const Packet& packet) {
   CdrWriter to;
   put_header(to, packet.header);

@@ -22,6 +22,7 @@ mcap::Schema image_schema();
 mcap::Schema camera_info_schema();
 mcap::Schema diagnostics_schema();
 mcap::Schema packet_schema();  // stof_msgs/msg/Packet
+mcap::Schema string_schema();  // std_msgs/msg/String
 
 inline constexpr std::string_view kOpticalFrame = "stof_left_optical_frame";
 
@@ -63,6 +64,10 @@ struct Packet {
   std::uint32_t recovered_packets = 0;
   Bytes payload{};  // borrowed; empty: did not arrive
 };
+// std_msgs/msg/String.
+Buffer encode_string(std::string_view text);
+std::optional<std::string> decode_string(Bytes message);
+
 Buffer encode(const Packet& packet);
 std::optional<Packet> decode_packet(Bytes message);
 

@@ -28,8 +28,13 @@ enum class Topic : std::uint8_t {
   kCalibration,
   kHealth,
   kEvent,
+  kSettings,
+  kRawEdge,
+  kRawLeft,
+  kRawRight,
+  kRawPmd,
 };
-inline constexpr std::size_t kTopics = 15;
+inline constexpr std::size_t kTopics = 20;
 
 struct TopicInfo {
   std::string_view name;
@@ -53,6 +58,11 @@ inline constexpr std::array<TopicInfo, kTopics> kTopicInfos{{
     {"/stof/calibration", packet_schema, ""},
     {"/stof/health", packet_schema, ""},
     {"/stof/event", packet_schema, ""},
+    {"/stof/settings", string_schema, ""},
+    {"/stof/raw/edge", packet_schema, ""},
+    {"/stof/raw/left", image_schema, "grey value"},
+    {"/stof/raw/right", image_schema, "grey value"},
+    {"/stof/raw/pmd", image_schema, "samples A0 to A3 below each other"},
 }};
 
 constexpr const TopicInfo& info_of(Topic topic) noexcept {
@@ -71,5 +81,6 @@ inline constexpr std::string_view kProfile = "ros2";
 inline constexpr std::string_view kEncoding = "cdr";
 inline constexpr const char* kSensorMetadata = "stof";
 inline constexpr const char* kSettingsAttachment = "settings.json";
+inline constexpr const char* kCalibrationAttachment = "calibration.cal";
 
 }  // namespace stof::recording

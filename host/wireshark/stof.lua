@@ -68,6 +68,7 @@ names.Health = {
 names.ClockState = {
   [0] = "monotonic",
   [1] = "emulated",
+  [2] = "recorded",
 }
 
 names.Severity = {
@@ -107,6 +108,7 @@ names.SettingsOperation = {
   [8] = "keys",
   [9] = "unpair",
   [10] = "upload",
+  [11] = "download",
 }
 
 names.SettingsDocument = {
@@ -216,7 +218,7 @@ names.Condition = {
 }
 
 layouts.RawRequest = {
-  {name = "pictures", size = 1, count = 1, kind = "uint8", title = "Pictures", base = base.DEC, doc = "raw pictures that are asked for, the sum of: 1 the left camera's, 2 the right one's, 4 the PMD camera's samples; 8: only exposures that have all of these. 0: none; see \"Raw pictures\""},
+  {name = "pictures", size = 1, count = 1, kind = "uint8", title = "Pictures", base = base.DEC, doc = "raw pictures that are asked for, the sum of: 1 the left camera's, 2 the right one's, 4 the PMD camera's samples; 8: only exposures that have all of these; 16: the sensor begins anew all that counts from frame to frame. 0: none; see \"Raw pictures\""},
   {name = "step", size = 1, count = 1, kind = "uint8", title = "Step", base = base.DEC, doc = "of the pair: one column and one row of so many is sent; 0: each, as 1"},
   {name = "every", size = 2, count = 1, kind = "uint16", title = "Every", base = base.DEC, doc = "one exposure of so many frames, the next that there is; 0: each, as 1"},
   {name = "column", size = 2, count = 1, kind = "uint16", title = "Column", base = base.DEC, doc = "of the pair: first column of the part that is sent, pixels of the camera"},
@@ -425,7 +427,7 @@ layouts.sectors = {
 
 layouts.raw_info = {
   message = "raw info",
-  bytes = 144,
+  bytes = 148,
   {name = "edge_ns", size = 8, count = 1, kind = "int64", title = "Edge ns", base = base.DEC, doc = "trigger edge that it was collected at, ns, same clock as the header"},
   {name = "pair_exposures", size = 16, count = 2, layout = "Window"},
   {name = "pmd_exposures", size = 16, count = 4, layout = "Window"},
@@ -442,6 +444,9 @@ layouts.raw_info = {
   {name = "pmd_height", size = 2, count = 1, kind = "uint16", title = "Pmd height", base = base.DEC, doc = "rows"},
   {name = "pictures", size = 1, count = 1, kind = "uint8", title = "Pictures", base = base.DEC, doc = "that follow, the sum as in the request"},
   {name = "step", size = 1, count = 1, kind = "uint8", title = "Step", base = base.DEC, doc = "from one column or row of the pair to the next, pixels of the camera"},
+  {name = "state", size = 1, count = 1, kind = "uint8", title = "State", base = base.DEC, doc = "of what the frame was computed with, since the exposure sent before, the sum of: 1 all that counts from frame to frame was begun anew; 2 depth was averaged with no frame before"},
+  {name = "pmd_every", size = 1, count = 1, kind = "uint8", title = "Pmd every", base = base.DEC, doc = "the PMD camera exposes at every so many-th edge"},
+  {name = "disparities", size = 2, count = 1, kind = "uint16", title = "Disparities", base = base.DEC, doc = "candidates of the search, which settings may leave to the rig"},
   {name = "reserved", size = 2, count = 1, kind = "bytes", title = "Reserved"},
 }
 
@@ -523,6 +528,24 @@ layouts.upload_answer = {
   {name = "state", size = 2, count = 1, kind = "uint16", title = "State", base = base.DEC, names = "UploadState", doc = "of what is in force"},
   {name = "fingerprint", size = 4, count = 1, kind = "uint32", title = "Fingerprint", base = base.DEC, doc = "of the calibration that is in force; of updates the CRC-32C of the release's head that runs, 0: none"},
   {name = "former", size = 4, count = 1, kind = "uint32", title = "Former", base = base.DEC, doc = "of commit and revert: of the calibration that was in force before; of updates of the whole release in the other slot, 0: none"},
+}
+
+layouts.download_request = {
+  message = "download request",
+  bytes = 8,
+  {name = "kind", size = 1, count = 1, kind = "uint8", title = "Kind", base = base.DEC, names = "UploadKind", doc = "of what is read: those of uploads"},
+  {name = "reserved", size = 3, count = 1, kind = "bytes", title = "Reserved"},
+  {name = "offset", size = 4, count = 1, kind = "uint32", title = "Offset", base = base.DEC, doc = "where the bytes of the answer begin"},
+}
+
+layouts.download_answer = {
+  message = "download answer",
+  bytes = 16,
+  tail = "data",
+  {name = "total", size = 4, count = 1, kind = "uint32", title = "Total", base = base.DEC, doc = "bytes of it all"},
+  {name = "offset", size = 4, count = 1, kind = "uint32", title = "Offset", base = base.DEC, doc = "as it was asked for"},
+  {name = "fingerprint", size = 4, count = 1, kind = "uint32", title = "Fingerprint", base = base.DEC, doc = "of the calibration that is in force; of other kinds 0"},
+  {name = "reserved", size = 4, count = 1, kind = "bytes", title = "Reserved"},
 }
 
 layouts.stream_key = {

@@ -49,6 +49,17 @@ TEST(EmuOptions, TakesSceneFlags) {
   EXPECT_EQ(parsed({"--no-tof"}).scene.pmd, hal::emu::Size{});
 }
 
+TEST(EmuOptions, ARecordingTakesNoSceneAndNoFaults) {
+  EXPECT_EQ(parsed({"--replay", "raw.mcap", "--free-run"}).replay, "raw.mcap");
+  for (const Words& words :
+       {Words{"--replay", "raw.mcap", "--scene", "hall"}, Words{"--replay", "raw.mcap", "--no-tof"},
+        Words{"--replay", "raw.mcap", "--dataset", "d"},
+        Words{"--replay", "raw.mcap", "--fault", "stereo:drop:3"}}) {
+    expect_refused(words, "is in the recording");
+  }
+  expect_refused({"--replay"}, "takes a value");
+}
+
 TEST(EmuOptions, TakesFaultsOfOneOrMoreCalls) {
   const board::EmuOptions options =
       parsed({"--fault", "pmd:vanish:30+300", "--fault", "stereo:freeze:7:10"});

@@ -161,6 +161,7 @@ class CheckingTarget final : public upload::Target {
     return SettingsResult::kOk;
   }
   upload::Versions versions() const noexcept override { return {}; }
+  std::span<const std::byte> file_in_force() const noexcept override { return {}; }
 
   bool by_admin = false;
   wire::Digest hash{};  // that the request names

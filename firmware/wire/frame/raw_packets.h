@@ -18,6 +18,10 @@ inline constexpr std::uint8_t kRawRight = 2;
 inline constexpr std::uint8_t kRawPmd = 4;
 inline constexpr std::uint8_t kRawPictures = kRawLeft | kRawRight | kRawPmd;
 inline constexpr std::uint8_t kRawWhole = 8;  // only exposures that have all that is asked for
+inline constexpr std::uint8_t kRawAnew = 16;  // the sensor begins anew what counts between frames
+// Bits of RawInfo::state, since the exposure that was sent before.
+inline constexpr std::uint8_t kRawBegunAnew = 1;   // all that counts from frame to frame
+inline constexpr std::uint8_t kRawForgotPast = 2;  // depth was averaged with no frame before
 
 inline constexpr std::size_t kRawSamples = 4;
 // With a signature it fits a datagram.

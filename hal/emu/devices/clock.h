@@ -11,11 +11,13 @@ class Clock final : public hal::Clock {
   // Far from zero, as on a machine that has been up for a while: a zero stamp is never recent.
   static constexpr Time kStart{std::chrono::seconds(1000)};
 
+  constexpr explicit Clock(Time start = kStart) noexcept : now_(start) {}
+
   Time now() noexcept override { return now_; }
   void wait_until(Time time) noexcept override { now_ = time > now_ ? time : now_; }
 
  private:
-  Time now_ = kStart;
+  Time now_;
 };
 
 }  // namespace stof::hal::emu

@@ -95,6 +95,7 @@ class FaultPlan {
     return true;
   }
 
+  constexpr bool empty() const noexcept { return count_ == 0; }
   constexpr Fault at(std::uint32_t call) const noexcept {
     for (std::size_t i = 0; i < count_; ++i) {
       if (faults_[i].strikes(call)) {

@@ -7,12 +7,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "firmware/wire/frame/raw_packets.h"
 #include "host/cli/failure.h"
 #include "host/cli/own_keys.h"
+#include "host/cli/recording/sensor_documents.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/stop_signal.h"
+#include "host/cli/view/raw_files.h"
 #include "host/cli/view/status_line.h"
-#include "host/client/control/control_client.h"
 #include "host/recording/recorder.h"
 #include "host/text/printed.h"
 
@@ -20,39 +22,19 @@ namespace stof::host {
 namespace {
 
 constexpr double kMegabyte = 1e6;
-
-// The sensor's settings, or why they are not there.
-struct Settings {
-  std::string document{};
-  std::string missing{};
-};
-
-Settings read_settings(const RecordOptions& options) {
-  if (options.sensor.empty()) {
-    return {.missing = "the sensor was not asked: it sends here by itself"};
-  }
-  client::ControlOptions control = timing(0.3);
-  control.device_id = options.device;
-  auto asked = client::ControlClient::open(options.sensor, control);
-  if (!asked) {
-    return {.missing = asked.error().message};
-  }
-  auto answer = asked->request(wire::SettingsOperation::kGet, wire::SettingsDocument::kActive, {});
-  if (!answer) {
-    return {.missing = answer.error().message};
-  }
-  return {.document = std::move(answer->text)};
-}
+// A sensor begins anew no more often than this, and what is asked for meanwhile waits.
+constexpr double kAnewS = 8;
 
 // One recording from the first frame to the last.
 class Recording {
  public:
   Recording(const RecordOptions& options, client::Receiver& receiver, recording::Recorder& recorder,
-            Settings settings)
+            SensorDocuments documents)
       : options_(options),
         receiver_(receiver),
         recorder_(recorder),
-        settings_(std::move(settings)) {}
+        documents_(std::move(documents)),
+        watch_(options, options.raw) {}
 
   // Until enough came, a signal, the timeout, or a disk that takes no more.
   void run() {
@@ -62,6 +44,7 @@ class Recording {
     std::uint64_t packets = 0;
     while (!asked_to_stop() && !enough() && !recorder_.failed()) {
       take(receiver_.next(kLook));
+      take_raw();
       take_beside();
       const client::Time now = client::Time::clock::now();
       const client::Statistics& all = receiver_.statistics();
@@ -74,19 +57,31 @@ class Recording {
         silent_ = true;
         return;
       }
+      if (options_.raw && frames_ != 0 && exposures_ == 0 &&
+          now - began_ > std::chrono::duration<double>(std::max(options_.timeout_s, kAnewS))) {
+        throw Failure(Exit::kFailure,
+                      "no raw pictures came, from the begin of what counts from "
+                      "frame to frame" +
+                          raw_absence(receiver_.raw_refusal()));
+      }
       if (frames_ != 0 && now - said >= std::chrono::seconds(1)) {
         said = now;
-        say(std::to_string(frames_) + " frames recorded" + dropped_text() +
+        say(std::to_string(frames_) + " frames recorded" + raw_text() + dropped_text() +
             link_text(receiver_.link()));
       }
     }
   }
 
+  // Settings that are still asked for, at the end.
+  void finish() { take_documents(true); }
+
   std::uint64_t frames() const { return frames_; }
+  std::uint64_t exposures() const { return exposures_; }
+  std::uint64_t lost_pictures() const { return lost_pictures_; }
   std::uint64_t dropped() const { return dropped_; }
   // Less than was asked for.
   bool short_of() const {
-    return silent_ || (options_.frames != 0 && frames_ < options_.frames && !asked_to_stop());
+    return silent_ || (options_.frames != 0 && counted() < options_.frames && !asked_to_stop());
   }
   void say(const std::string& line) const {
     if (!options_.json) {
@@ -96,14 +91,19 @@ class Recording {
   }
 
  private:
+  std::uint64_t counted() const { return options_.raw ? exposures_ : frames_; }
   bool enough() const {
-    if (frames_ == 0) {
+    if (counted() == 0) {
       return false;
     }
     const bool time_is_over =
-        options_.seconds > 0 &&
-        client::Time::clock::now() - began_ >= std::chrono::duration<double>(options_.seconds);
-    return time_is_over || (options_.frames != 0 && frames_ >= options_.frames);
+        options_.seconds > 0 && client::Time::clock::now() - counting_since_ >=
+                                    std::chrono::duration<double>(options_.seconds);
+    return time_is_over || (options_.frames != 0 && counted() >= options_.frames);
+  }
+
+  std::string raw_text() const {
+    return options_.raw ? ", " + std::to_string(exposures_) + " with raw pictures" : "";
   }
 
   std::string dropped_text() const {
@@ -121,19 +121,27 @@ class Recording {
     const std::uint64_t time = clock_.at(frame->last_packet);
     if (frames_ + dropped_ == 0) {
       began_ = client::Time::clock::now();
+      counting_since_ = began_;
       say(first_frame_line(options_, receiver_, frame->origin.device_id));
       say(streams_line(*frame));
+      if (frame->stamp.clock == wire::ClockState::kRecorded) {
+        say(kReplayLine);
+      }
     }
     if (!origin_ || origin_->session_id != frame->origin.session_id) {
       origin_ = frame->origin;
       calibration_.reset();
       uptime_ms_.reset();
+      raw_begun_ = false;
       put_sensor(*frame, time);
     }
     recording::TopicMessages messages;
     if (frame->calibration && frame->calibration != calibration_) {
       calibration_ = frame->calibration;
       recording::append_calibration(messages, *frame, time);
+    }
+    if (frame->info) {
+      watch_.note(frame->info->settings_fingerprint, frame->info->calibration_fingerprint);
     }
     recording::append_frame(messages, *frame, time);
     if (recorder_.put(std::move(messages))) {
@@ -144,34 +152,94 @@ class Recording {
     }
   }
 
+  // Raw pictures, from the exposure on that was computed from a known state.
+  void take_raw() {
+    while (const std::optional<client::RawExposure> exposure = receiver_.take_raw()) {
+      raw_begun_ = raw_begun_ || (exposure->info.state & wire::kRawBegunAnew) != 0;
+      if (!raw_begun_ || !origin_ || origin_->session_id != exposure->origin.session_id) {
+        continue;
+      }
+      if (exposures_ == 0) {
+        counting_since_ = client::Time::clock::now();
+      }
+      recording::TopicMessages messages;
+      recording::append_raw(messages, *exposure, clock_.at(exposure->last_packet));
+      if (recorder_.put(std::move(messages))) {
+        ++exposures_;
+        lost_pictures_ += exposure->complete() ? 0U : 1U;
+      } else if (!recorder_.failed()) {
+        ++dropped_;
+      }
+    }
+  }
+
+  // Settings and calibration that changed meanwhile.
+  void take_documents(bool wait) {
+    const std::optional<SensorDocuments> documents = watch_.take(wait);
+    if (!documents) {
+      return;
+    }
+    if (!documents->settings.empty()) {
+      put_settings(documents->settings, clock_.now());
+    }
+    if (!documents->calibration.empty()) {
+      put_calibration(documents->calibration, clock_.now());
+    }
+  }
+
+  void put_settings(const std::string& document, std::uint64_t time) {
+    recording::TopicMessages messages;
+    recording::append_settings(messages, document, time);
+    recorder_.put(std::move(messages));
+  }
+
+  void put_calibration(const std::string& file, std::uint64_t time) {
+    recording::OwnedAttachment attachment{.name = recording::kCalibrationAttachment,
+                                          .media_type = "application/octet-stream",
+                                          .log_time = time};
+    mcap::append_bytes(attachment.data, mcap::bytes_of(file));
+    recorder_.put(std::move(attachment));
+  }
+
   // Metadata of the session, and the settings that it began with.
   void put_sensor(const client::Frame& frame, std::uint64_t time) {
     mcap::Metadata metadata{
         .name = recording::kSensorMetadata,
-        .entries = {{"program", options_.program},
-                    {"device_id", std::to_string(frame.origin.device_id)},
-                    {"session_id", std::to_string(frame.origin.session_id)},
-                    {"sensor", options_.sensor.empty() ? "sends here" : options_.sensor},
-                    {"place", receiver_.place()},
-                    {"signed", options_.signed_streams ? "yes" : "no"},
-                    {"sensor_clock", frame.stamp.clock == wire::ClockState::kEmulated
-                                         ? "emulated"
-                                         : "monotonic, of the sensor"},
-                    {"log_time",
-                     "wall clock of the recording computer at the start, which goes on "
-                     "by its monotonic clock"},
-                    {"settings", settings_.document.empty() ? settings_.missing
-                                                            : std::string("attachment ") +
-                                                                  recording::kSettingsAttachment}}};
+        .entries = {
+            {"program", options_.program},
+            {"device_id", std::to_string(frame.origin.device_id)},
+            {"session_id", std::to_string(frame.origin.session_id)},
+            {"sensor", options_.sensor.empty() ? "sends here" : options_.sensor},
+            {"place", receiver_.place()},
+            {"signed", options_.signed_streams ? "yes" : "no"},
+            {"sensor_clock", clock_text(frame.stamp.clock)},
+            {"log_time",
+             "wall clock of the recording computer at the start, which goes on "
+             "by its monotonic clock"},
+            {"settings", documents_.settings.empty()
+                             ? documents_.no_settings
+                             : std::string("attachment ") + recording::kSettingsAttachment}}};
+    if (options_.raw) {
+      metadata.entries["calibration"] =
+          documents_.calibration.empty()
+              ? documents_.no_calibration
+              : std::string("attachment ") + recording::kCalibrationAttachment;
+    }
     recorder_.put(std::move(metadata));
-    if (!settings_.document.empty()) {
+    watch_.know(documents_);
+    if (!documents_.calibration.empty()) {
+      put_calibration(documents_.calibration, time);
+    }
+    if (!documents_.settings.empty()) {
+      put_settings(documents_.settings, time);
       recording::OwnedAttachment attachment{.name = recording::kSettingsAttachment,
                                             .media_type = "application/json",
                                             .log_time = time};
-      mcap::append_bytes(attachment.data, mcap::bytes_of(settings_.document));
+      mcap::append_bytes(attachment.data, mcap::bytes_of(documents_.settings));
       recorder_.put(std::move(attachment));
-      settings_ = {.missing = "of an earlier session: see its attachment"};
     }
+    documents_ = {.no_settings = "of an earlier session: see its attachment",
+                  .no_calibration = "of an earlier session: see its attachment"};
   }
 
   // What the sensor says beside frames. What comes before the first frame waits for its session.
@@ -179,6 +247,7 @@ class Recording {
     if (!origin_) {
       return;
     }
+    take_documents(false);
     recording::TopicMessages messages;
     while (const std::optional<wire::EventReport> event = receiver_.take_event()) {
       say(event_line(*event));
@@ -197,12 +266,17 @@ class Recording {
   const RecordOptions& options_;
   client::Receiver& receiver_;
   recording::Recorder& recorder_;
-  Settings settings_;
+  SensorDocuments documents_;
+  DocumentWatch watch_;
   recording::LogClock clock_;
   std::optional<wire::Origin> origin_;  // of the session that is recorded
   std::optional<wire::CalibrationPacket> calibration_;
   std::optional<std::uint64_t> uptime_ms_;  // of the health that was recorded last
   client::Time began_;
+  client::Time counting_since_;
+  bool raw_begun_ = false;  // in this session
+  std::uint64_t exposures_ = 0;
+  std::uint64_t lost_pictures_ = 0;  // exposures that miss some
   std::uint64_t frames_ = 0;
   std::uint64_t dropped_ = 0;
   bool silent_ = false;
@@ -210,7 +284,7 @@ class Recording {
 
 void print_json(const RecordOptions& options, const Recording& session,
                 const recording::Recorder::Ended& ended) {
-  const nlohmann::ordered_json json{
+  nlohmann::ordered_json json{
       {"file", options.file.string()},
       {"frames", ended.frames},
       {"frames_not_written", session.frames() + session.dropped() - ended.frames},
@@ -218,6 +292,10 @@ void print_json(const RecordOptions& options, const Recording& session,
       {"bytes", ended.bytes},
       {"whole", !ended.problem.has_value()},
       {"indexed", ended.indexed}};
+  if (options.raw) {
+    json["raw_exposures"] = session.exposures();
+    json["raw_incomplete"] = session.lost_pictures();
+  }
   std::puts(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
 }
 
@@ -242,11 +320,42 @@ void judge(const RecordOptions& options, client::Receiver& receiver, const Recor
                                       std::to_string(session.frames()) +
                                       " frames: check that stofd still runs");
   }
+  if (options.raw) {
+    const client::RawStatistics& raw = receiver.raw_statistics();
+    if (raw.incomplete + raw.lost + raw.untaken + raw.dropped != 0) {
+      throw Failure(Exit::kFailure, "not all raw pictures are in the recording (" + raw_line(raw) +
+                                        "): a longer period, fewer streams or a faster link");
+    }
+  }
   if (session.dropped() != 0) {
     throw Failure(Exit::kFailure, std::to_string(session.dropped()) +
                                       " frames are not in the recording: the disk is too slow: "
                                       "record to another one, or fewer streams");
   }
+}
+
+// With raw pictures these have to be there: without them nothing can be computed again.
+SensorDocuments documents_of(const RecordOptions& options) {
+  constexpr int kTries = 3;
+  SensorDocuments documents = read_documents(options, options.raw);
+  const auto lacks = [&] {
+    return options.raw && (documents.settings.empty() || documents.calibration.empty());
+  };
+  for (int i = 1; i < kTries && lacks() && !asked_to_stop(); ++i) {
+    documents = read_documents(options, options.raw);
+  }
+  if (lacks()) {
+    throw Failure(Exit::kFailure,
+                  "--raw: " + (documents.settings.empty() ? documents.no_settings
+                                                          : documents.no_calibration));
+  }
+  return documents;
+}
+
+// All that the cameras give, of each frame, from a state that begins anew.
+wire::RawRequest raw_request(const RecordOptions& options) {
+  return options.raw ? wire::RawRequest{.pictures = wire::kRawPictures | wire::kRawAnew}
+                     : wire::RawRequest{};
 }
 
 }  // namespace
@@ -266,11 +375,12 @@ void record(const RecordOptions& options) {
     std::filesystem::remove(meant.file, none);
   };
   try {
-    client::Receiver receiver = open_receiver(meant);
-    Recording session(meant, receiver, *recorder, read_settings(meant));
+    client::Receiver receiver = open_receiver(meant, raw_request(meant));
+    Recording session(meant, receiver, *recorder, documents_of(meant));
     session.say("recording " + place_of(meant, receiver) + " to " + meant.file.string());
     tell_port(meant, receiver);
     session.run();
+    session.finish();
     const recording::Recorder::Ended ended = recorder->finish();
     if (session.frames() == 0) {
       drop_empty_file();
@@ -314,6 +424,10 @@ void add_record(CLI::App& app, RecordOptions& options, const char* program) {
                   "End so long after the first frame; 0: when interrupted")
       ->check(CLI::Range(0.0, 1e7))
       ->capture_default_str();
+  command.add_flag("--raw", options.raw,
+                   "What the cameras gave as well, bit for bit: stofd --replay FILE computes depth "
+                   "of it again. --frames counts exposures that have it. A paired sensor gives it "
+                   "to --signed alone");
   command.add_flag("--force", options.force, "Replace FILE where it is there");
   command.add_flag("--json", options.json, "A JSON object at the end, and nothing else");
   add_receive_flags(command, options);
@@ -322,6 +436,9 @@ void add_record(CLI::App& app, RecordOptions& options, const char* program) {
       options.sensor.clear();
     }
     judge_receive_options(options);
+    if (options.raw && options.sensor.empty()) {
+      throw Failure(Exit::kBadInput, "--raw: takes a SENSOR to subscribe at");
+    }
     record(options);
   });
 }

@@ -12,6 +12,7 @@ struct RecordOptions : ReceiveOptions {
   std::filesystem::path file;
   std::uint64_t frames = 0;  // 0: no limit
   double seconds = 0;        // from the first frame; 0: no limit
+  bool raw = false;          // what the cameras gave, too
   bool force = false;        // replaces a file that is there
   bool json = false;
   std::string program;  // name and version, for the file

@@ -144,7 +144,7 @@ class View {
   std::string line(client::Time now) {
     // Asked before the score, which takes longer than a link may be silent.
     const client::LinkState link = receiver_.link();
-    return status_line_.line(now, receiver_.statistics(), score()) +
+    return (replay_ ? "REPLAY " : "") + status_line_.line(now, receiver_.statistics(), score()) +
            (receiver_.health() ? active_text(*receiver_.health()) : "") + link_text(link);
   }
 
@@ -158,6 +158,11 @@ class View {
     if (frames_ == 0) {
       say(first_frame_line(options_, receiver_, frame->origin.device_id));
     }
+    const bool replay = frame->stamp.clock == wire::ClockState::kRecorded;
+    if (replay && !replay_) {
+      say(kReplayLine);
+    }
+    replay_ = replay;
     if (frames_ == 0 && !options_.truth.empty()) {
       truth_ = value_or_fail(dataset::read_pfm(options_.truth));
     }
@@ -190,6 +195,7 @@ class View {
   FrameCopy whole_;   // the newest complete frame
   FrameCopy newest_;  // the newest incomplete one
   std::optional<dataset::Image<float>> truth_;
+  bool replay_ = false;  // the newest frame is of a recording
   std::string streams_;  // of the newest frame
   std::uint64_t frames_ = 0;
   std::uint64_t raw_ = 0;  // exposures with all raw pictures

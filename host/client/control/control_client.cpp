@@ -53,6 +53,12 @@ class UdpTransport final : public ControlTransport {
   std::size_t next_ = 0;
 };
 
+// What everybody may read.
+bool only_reads(wire::SettingsOperation operation) {
+  return operation == wire::SettingsOperation::kGet ||
+         operation == wire::SettingsOperation::kDownload;
+}
+
 }  // namespace
 
 std::expected<std::unique_ptr<ControlTransport>, ControlError> open_udp_transport(
@@ -105,7 +111,7 @@ std::expected<ControlAnswer, ControlError> ControlClient::request(wire::Settings
 
 // Nobody knows which sensor is meant.
 std::optional<ControlError> ControlClient::doubtful(wire::SettingsOperation operation) const {
-  if (options_.doubt.empty() || operation == wire::SettingsOperation::kGet) {
+  if (options_.doubt.empty() || only_reads(operation)) {
     return std::nullopt;
   }
   return error(Status::kUnsupported, options_.doubt + " (--device NUMBER or --key ID)");
@@ -184,7 +190,7 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
       return std::unexpected(error(Status::kTimeout, "its answer takes too long: try again"));
     }
     const bool sealed = signer_.key() != nullptr;
-    if (keys_refused_ && operation != wire::SettingsOperation::kGet) {
+    if (keys_refused_ && !only_reads(operation)) {
       return Part{.answer = {.result = wire::SettingsResult::kUnknownKey}, .text = {}};
     }
     if (!sealed && cookie_ != 0 && !takes_unsigned(operation)) {
@@ -334,8 +340,7 @@ std::optional<ControlClient::Part> ControlClient::read_answer(std::span<const st
 }
 
 bool ControlClient::takes_unsigned(wire::SettingsOperation operation) const {
-  if (operation == wire::SettingsOperation::kGet ||
-      options_.unsigned_answers == Unsigned::kAlways) {
+  if (only_reads(operation) || options_.unsigned_answers == Unsigned::kAlways) {
     return true;
   }
   return options_.unsigned_answers == Unsigned::kWithoutKeys &&

@@ -154,7 +154,12 @@ class Frame:
     @property
     def emulated(self) -> bool:
         """The sensor's clock is that of an emulated rig."""
-        return bool(self._raw.emulated)
+        return self._raw.emulated == 1
+
+    @property
+    def recorded(self) -> bool:
+        """The frame is of a recording that is played again: nothing of it is new."""
+        return self._raw.emulated == 2
 
     @property
     def settings_fingerprint(self) -> int:

@@ -96,10 +96,12 @@ TEST_F(RawRequestTest, OfAnUnpairedSensorWhoeverAsksFirstHasThem) {
 TEST_F(RawRequestTest, EachSubscribeSaysAnewWhichOnes) {
   EXPECT_EQ(plain(peer(1), kAll), SubscribeResult::kOk);
   const ReceiverList before = subscribers_.list();
-  EXPECT_EQ(plain(peer(1), {.pictures = 0xF1, .step = 2}), SubscribeResult::kOk);
+  EXPECT_EQ(plain(peer(1), {.pictures = 0xE1, .step = 2}), SubscribeResult::kOk);
   EXPECT_EQ(subscribers_.list().raw.pictures, wire::kRawLeft) << "the rest has no meaning yet";
   EXPECT_EQ(subscribers_.list().raw.step, 2);
   EXPECT_FALSE(subscribers_.list() == before) << "the loop would not be told";
+  EXPECT_EQ(plain(peer(1), {.pictures = wire::kRawLeft | wire::kRawAnew}), SubscribeResult::kOk);
+  EXPECT_EQ(subscribers_.list().raw.pictures, wire::kRawLeft | wire::kRawAnew);
   EXPECT_EQ(plain(peer(1), {}), SubscribeResult::kOk);
   EXPECT_EQ(receiver(), std::nullopt);
   EXPECT_EQ(plain(peer(2), kAll), SubscribeResult::kOk) << "they are free again";

@@ -75,6 +75,34 @@ class SlowPort final : public hal::DatagramPort {
 constexpr int kSteps = 60;
 constexpr wire::RawRequest kAll{.pictures = wire::kRawPictures};
 
+// Of the raw info of each exposure.
+std::vector<int> states(const Beside& beside) {
+  std::vector<int> all;
+  for (const auto& [id, packets] : beside.exposures) {
+    for (const std::vector<std::byte>& bytes : packets) {
+      const auto packet = wire::parse_packet(bytes);
+      if (packet && packet->header.type == wire::PacketType::kRawInfo) {
+        all.push_back(wire::decode_raw_info(packet->payload).value_or(wire::RawInfo{}).state);
+      }
+    }
+  }
+  return all;
+}
+
+TEST(LoopRaw, TellsWhereThePipelineBeganAnewAndWhereNothingOfBeforeCounts) {
+  Rig rig{RigOptions{}};
+  Beside beside;
+  ask(rig, kAll);
+  run(rig, beside, 10);
+  rig.loop.note_begun_anew();
+  run(rig, beside, 10);
+  const std::vector<int> all = states(beside);
+  ASSERT_GE(all.size(), 15U);
+  EXPECT_EQ(all.front(), wire::kRawBegunAnew | wire::kRawForgotPast) << "the first of all";
+  EXPECT_EQ(std::ranges::count(all, wire::kRawBegunAnew | wire::kRawForgotPast), 2);
+  EXPECT_EQ(std::ranges::count(all, 0), static_cast<int>(all.size()) - 2);
+}
+
 TEST(LoopRaw, NoFrameIsAnotherOrLaterForThem) {
   for (const int pmd_every : {1, 2}) {
     RigOptions options;

@@ -69,13 +69,14 @@ class RawSenderTest : public testing::Test {
     sender_.set_period(kPeriod);
   }
   // As a camera lends it; the frame that was made of it has the next number.
-  void offer(bool pair = true, bool pmd = true) {
+  void offer(bool pair = true, bool pmd = true, std::uint8_t state = 0) {
     Shot shot{.edge = clock_.now() - 20ms,
               .exposed = {},
               .stereo = {},
               .pmd = {},
               .pmd_exposed = {},
-              .freshness = ++stamp_.freshness};
+              .freshness = ++stamp_.freshness,
+              .state = state};
     ++stamp_.number;
     if (pair) {
       ++slots_.lent;
@@ -146,6 +147,39 @@ TEST_F(RawSenderTest, TheSlotsGoHomeAfterTheLastPacket) {
     left.insert(left.end(), tile.payload.begin(), tile.payload.end());
   }
   EXPECT_TRUE(std::ranges::equal(left, std::as_bytes(std::span(left_))));
+}
+
+TEST_F(RawSenderTest, TellsWhatHappenedSinceTheExposureBefore) {
+  sender_.ask({.pictures = wire::kRawPictures, .every = 3});
+  std::vector<int> told;
+  for (const int state : {1, 0, 2, 0, 2, 1, 0}) {
+    link_.forget();
+    offer(true, true, static_cast<std::uint8_t>(state));
+    send(1s);
+    if (!link_.packets.empty()) {
+      told.push_back(link_.info().state);
+    }
+  }
+  EXPECT_EQ(told, (std::vector{1, 2, 3})) << "also of the exposures between, which are not sent";
+}
+
+// Else two frames that follow each other sooner than usual cost one of them.
+TEST_F(RawSenderTest, SendsTheRestAtOnceWhereTheNextIsDue) {
+  sender_.ask(kAll);
+  offer();
+  send(2ms);
+  ASSERT_LT(link_.packets.size(), whole());
+  sender_.hurry(clock_.now() + 20ms, link_);
+  EXPECT_EQ(link_.packets.size(), whole());
+  offer();
+  EXPECT_EQ(sender_.dropped(), 0U);
+  // Nobody waits for what is not due.
+  link_.forget();
+  sender_.ask({.pictures = wire::kRawPictures, .every = 9});
+  offer();
+  const hal::Time now = clock_.now();
+  sender_.hurry(now + 20ms, link_);
+  EXPECT_EQ(clock_.now(), now);
 }
 
 // What a frame waits for comes in time.

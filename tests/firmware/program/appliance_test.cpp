@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/events/log_text.h"
+#include "firmware/wire/frame/raw_packets.h"
 #include "posix/worker_threads.h"
 #include "tests/firmware/appliance_rig.h"
 
@@ -33,6 +34,48 @@ TEST(Appliance, SendsNothingUntilSomebodySubscribes) {
   EXPECT_GE(receiver.healths.size(), 1U) << "at once";
   ASSERT_TRUE(box.receivers.push({}));
   EXPECT_TRUE(box.run(5).bytes.empty());
+}
+
+// Exposures of raw pictures whose frame was the first of a pipeline that was built anew.
+int begun_anew(ApplianceRig& box, int steps) {
+  int count = 0;
+  for (int i = 0; i < steps; ++i) {
+    static_cast<void>(box.appliance.step({}));
+    while (const auto sent = box.rig.port.take_sent()) {
+      const auto packet = wire::parse_packet(sent->bytes);
+      if (packet && packet->header.type == wire::PacketType::kRawInfo) {
+        const auto info = wire::decode_raw_info(packet->payload);
+        count += info && (info->state & wire::kRawBegunAnew) != 0 ? 1 : 0;
+      }
+    }
+  }
+  return count;
+}
+
+TEST(Appliance, WhoAsksForRawPicturesMayHaveItBeginAnewOnceInThreeSeconds) {
+  ApplianceRig box;
+  ReceiverList plain;
+  plain.peers[0] = {.address = {}, .port = 1};
+  plain.count = 1;
+  ReceiverList raw = plain;
+  raw.raw_receiver = 0;
+  raw.raw = {.pictures = wire::kRawPictures};
+  ReceiverList anew = raw;
+  anew.raw.pictures |= wire::kRawAnew;
+  const int second = static_cast<int>(1s / timing().period);
+  const auto ask = [&](const ReceiverList& list) { ASSERT_TRUE(box.receivers.push(list)); };
+  ask(plain);
+  begun_anew(box, 20);
+  ask(raw);
+  EXPECT_EQ(begun_anew(box, 20), 0);
+  ask(anew);
+  EXPECT_EQ(begun_anew(box, 20), 1);
+  ask(plain);
+  begun_anew(box, 1);
+  ask(anew);
+  EXPECT_EQ(begun_anew(box, second), 0) << "it waits";
+  EXPECT_EQ(begun_anew(box, 3 * second), 1);
+  EXPECT_EQ(begun_anew(box, 4 * second), 0) << "once for each request";
 }
 
 TEST(Appliance, NewSettingsTakeEffectBetweenTwoFrames) {

@@ -27,7 +27,8 @@ WIDTH, HEIGHT = 160, 120
 STREAMS = ("disparity", "pmd_raw", "grey_left", "grey_right")
 OF_A_FRAME = {"/stof/frame_info", "/stof/depth/image_raw", "/stof/depth/camera_info", "/stof/depth/exact", "/stof/depth/width",
               "/stof/depth/source", "/stof/disparity", "/stof/pmd/raw", "/stof/left/image_rect", "/stof/right/image_rect"}
-BESIDE = {"/stof/calibration", "/stof/health", "/stof/event", "/diagnostics"}
+BESIDE = {"/stof/calibration", "/stof/health", "/stof/event", "/stof/settings", "/diagnostics"}
+RAW = {"/stof/raw/edge", "/stof/raw/left", "/stof/raw/right", "/stof/raw/pmd"}
 
 
 class Record(unittest.TestCase):
@@ -80,7 +81,7 @@ class Record(unittest.TestCase):
         return path
 
     def test_each_verb_has_help_with_an_example(self):
-        for verb in ("record", "info", "export", "recover"):
+        for verb in ("record", "info", "export", "recover", "replay"):
             self.assertIn(f"Example: stof {verb} ", self.succeed(verb, "--help"))
 
     def test_recording_has_every_channel(self):
@@ -272,7 +273,7 @@ class Record(unittest.TestCase):
         subprocess.run([*SAMPLE, str(file), "1000"], check=True, timeout=120)
         for more in ((), ("--stream",)):
             counts = self.read_elsewhere(file, *more)["counts"]
-            self.assertEqual(counts, {topic: 1000 for topic in OF_A_FRAME | BESIDE | {"/stof/depth/received"}})
+            self.assertEqual(counts, {topic: 1000 for topic in OF_A_FRAME | BESIDE | RAW | {"/stof/depth/received"}})
 
     def read_elsewhere(self, *arguments):
         try:

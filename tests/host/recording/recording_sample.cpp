@@ -67,7 +67,16 @@ int write(const char* file, std::uint32_t count) {
     recording::append_calibration(messages, frame, time);
     recording::append_health(messages, frame.origin, {.uptime_ms = number, .active = number}, time);
     recording::append_event(messages, frame.origin, {.sequence = number}, time);
+    recording::append_settings(messages, "{}", time);
     recording::append_frame(messages, frame, time);
+    recording::append_raw(messages,
+                          {.origin = frame.origin,
+                           .stamp = frame.stamp,
+                           .info = {},
+                           .left = frame.left,
+                           .right = frame.right,
+                           .pmd = frame.pmd},
+                          time);
     if (!(*recorder)->put(std::move(messages))) {
       std::fprintf(stderr, "%s: the disk is full or too slow\n", file);
       return 1;

@@ -206,7 +206,9 @@ typedef struct stof_frame {
   uint32_t packets;        /* that the frame was sent in */
   uint32_t missing_packets;
   uint32_t recovered_packets; /* made of parity */
-  uint8_t emulated;           /* the sensor's clock is that of an emulated rig */
+  /* What stamps count: 0 the sensor's clock; 1 that of an emulated rig; 2 that of a recording that
+     is played again: nothing of the frame is new. */
+  uint8_t emulated;
   uint8_t has_info;
   uint8_t has_calibration;
   uint8_t reserved;

@@ -10,9 +10,12 @@
 #include <gtest/gtest.h>
 
 #include "firmware/upload/upload_server.h"
+#include "firmware/wire/bytes.h"
+#include "firmware/wire/crc32c.h"
 #include "firmware/wire/crypto/crypto.h"
 #include "firmware/wire/messages/settings_answer.h"
 #include "firmware/wire/messages/settings_request.h"
+#include "host/client/control/download.h"
 
 namespace stof::client {
 namespace {
@@ -43,9 +46,13 @@ class Shelf final : public upload::Target {
     ++reverts;
     return SettingsResult::kOk;
   }
-  upload::Versions versions() const noexcept override { return {.in_force = 5, .former = 4}; }
+  upload::Versions versions() const noexcept override {
+    return {.in_force = fingerprint, .former = 4};
+  }
+  std::span<const std::byte> file_in_force() const noexcept override { return held; }
 
   Bytes held;
+  std::uint32_t fingerprint = 5;
   int commits = 0;
   int busy = 0;
   int reverts = 0;
@@ -164,6 +171,29 @@ TEST_F(UploadClientTest, PutsAllOfItThereAndSaysHowFarItIs) {
   EXPECT_TRUE(std::ranges::is_sorted(seen_));
   EXPECT_EQ(seen_.front(), 0U);
   EXPECT_EQ(seen_.back(), file_.size());
+}
+
+// Of 10,000 bytes with their CRC behind, as a calibration file has it.
+TEST_F(UploadClientTest, ReadsTheCalibrationFileInForceAndComparesIt) {
+  world_.shelf.held = file_;
+  world_.shelf.fingerprint = wire::crc32c(file_);
+  std::array<std::byte, 4> crc{};
+  wire::put_u32(crc, world_.shelf.fingerprint);
+  world_.shelf.held.insert(world_.shelf.held.end(), crc.begin(), crc.end());
+  const auto read = download_calibration(client_);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_TRUE(std::ranges::equal(std::as_bytes(std::span(*read)), world_.shelf.held));
+  world_.lost = [](int number) { return number % 3 == 1; };
+  ASSERT_TRUE(download_calibration(client_));
+  world_.lost = [](int) { return false; };
+  world_.shelf.held[5'000] ^= std::byte{1};  // what came is not what the sensor says it has
+  const auto damaged = download_calibration(client_);
+  ASSERT_FALSE(damaged);
+  EXPECT_EQ(damaged.error().status, Status::kCorrupt);
+  world_.shelf.held.clear();
+  const auto none = download_calibration(client_);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().status, Status::kUnsupported);
 }
 
 TEST_F(UploadClientTest, WhateverIsLostIsSentAgain) {

@@ -1,0 +1,288 @@
+#include "host/cli/recording/replay.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <optional>
+#include <random>
+
+#include <nlohmann/json.hpp>
+
+#include "dataset/files/file.h"
+#include "firmware/wire/crypto/crypto.h"
+#include "host/cli/failure.h"
+#include "host/cli/stop_signal.h"
+#include "host/recording/replay/recorded_packets.h"
+#include "host/recording/replay/replay_server.h"
+#include "host/text/printed.h"
+
+namespace stof::host {
+namespace {
+
+using recording::Time;
+
+constexpr std::chrono::milliseconds kServePart{50};
+constexpr std::chrono::seconds kHealthPeriod{1};
+constexpr std::chrono::seconds kCalibrationPeriod{1};
+// Datagrams that go out at once, and the least time between two such bursts.
+constexpr std::size_t kBurst = 8;
+constexpr std::chrono::microseconds kGap{50};
+
+std::uint32_t session_other_than(std::uint32_t recorded) {
+  std::random_device random;
+  std::uint32_t session = random();
+  while (session == recorded) {
+    session = random();
+  }
+  return session;
+}
+
+// One recording on its way to subscribers, as often as it is played.
+class Player {
+ public:
+  Player(const ReplayOptions& options, recording::ReplayServer& server)
+      : options_(options), server_(server) {}
+
+  // From begin to end, or until interrupted.
+  void play(recording::FrameReader&& reader) {
+    reader_.emplace(std::move(reader));
+    packets_.reset();
+    told_health_ = told_events_ = 0;
+    first_log_time_.reset();
+    while (!over()) {
+      const std::optional<recording::RecordedFrame> frame = reader_->next();
+      if (!frame) {
+        break;
+      }
+      take(*frame);
+    }
+    damaged_ = reader_->damaged();
+    ++passes_;
+  }
+
+  // Interrupted, or nobody came.
+  bool over() const { return given_up_ || asked_to_stop(); }
+  bool given_up() const { return given_up_; }
+  std::uint64_t frames() const { return frames_; }
+  std::uint64_t not_whole() const { return not_whole_; }
+  std::uint64_t passes() const { return passes_; }
+  std::uint64_t damaged() const { return damaged_; }
+
+ private:
+  void take(const recording::RecordedFrame& frame) {
+    if (!packets_ || recorded_.session_id != frame.origin.session_id) {
+      begin_session(frame);
+    }
+    wait_for(frame.log_time);
+    if (over()) {
+      return;
+    }
+    const auto datagrams = packets_->frame(frame);
+    if (!datagrams) {
+      ++not_whole_;
+      return;
+    }
+    send_beside(frame);
+    send_paced(*datagrams);
+    ++frames_;
+  }
+
+  // Stamps and numbers of each pass begin anew: so does the session, and it is never the sensor's.
+  void begin_session(const recording::RecordedFrame& frame) {
+    recorded_ = frame.origin;
+    const wire::Origin origin{.device_id = frame.origin.device_id,
+                              .session_id = session_other_than(frame.origin.session_id)};
+    packets_.emplace(origin);
+    server_.set_origin(origin);
+    calibration_due_ = {};
+    first_log_time_ = frame.log_time;
+    began_ = Time::clock::now();
+    begin_after_subscription();
+  }
+
+  // Who subscribes sees it from its begin on.
+  void begin_after_subscription() {
+    if (server_.begun() != 0) {
+      return;
+    }
+    const Time since = Time::clock::now();
+    while (!asked_to_stop() && server_.subscribers() == 0) {
+      serve_until(Time::clock::now() + kServePart);
+      if (options_.timeout_s > 0 &&
+          Time::clock::now() - since > std::chrono::duration<double>(options_.timeout_s)) {
+        given_up_ = true;
+        return;
+      }
+    }
+    began_ = Time::clock::now();
+  }
+
+  void serve_until(Time time) {
+    if (!server_.serve_until(time)) {
+      throw Failure(Exit::kFailure, "the socket failed: start again");
+    }
+  }
+
+  void wait_for(std::uint64_t log_time) {
+    const double since_ns =
+        log_time > *first_log_time_ ? static_cast<double>(log_time - *first_log_time_) : 0;
+    const Time due =
+        began_ + std::chrono::duration_cast<Time::duration>(
+                     std::chrono::duration<double, std::nano>(since_ns / options_.rate));
+    Time now = Time::clock::now();
+    do {
+      serve_until(std::min(due, now + kServePart));
+      now = Time::clock::now();
+      send_health(now);
+    } while (now < due && !over());
+  }
+
+  // What the sensor said of itself up to the frame that is read; the last health once a second.
+  void send_health(Time now) {
+    const recording::Sights& sights = reader_->sights();
+    if (told_health_ < sights.health.size() || now >= health_due_) {
+      told_health_ = sights.health.size();
+      health_due_ = now + kHealthPeriod;
+      if (!sights.health.empty()) {
+        send_one(packets_->health(sights.health.back().second));
+      }
+    }
+    for (; told_events_ < sights.events.size(); ++told_events_) {
+      send_one(packets_->event(sights.events[told_events_].second));
+    }
+  }
+
+  void send_beside(const recording::RecordedFrame& frame) {
+    const Time now = Time::clock::now();
+    const bool changed = frame.calibration != calibration_ || begun_ != server_.begun();
+    if (!changed && now < calibration_due_) {
+      return;
+    }
+    calibration_ = frame.calibration;
+    begun_ = server_.begun();
+    calibration_due_ = now + kCalibrationPeriod;
+    if (const auto packet = packets_->calibration(frame); !packet.empty()) {
+      send_one(packet);
+    }
+  }
+
+  void send_one(std::span<const std::byte> datagram) { server_.send(std::span(&datagram, 1)); }
+
+  void send_paced(wire::Datagrams datagrams) {
+    while (!datagrams.empty()) {
+      const std::size_t count = std::min(kBurst, datagrams.size());
+      server_.send(datagrams.first(count));
+      datagrams = datagrams.subspan(count);
+      serve_until(Time::clock::now() + kGap);
+    }
+  }
+
+  const ReplayOptions& options_;
+  recording::ReplayServer& server_;
+  std::optional<recording::FrameReader> reader_;
+  std::optional<recording::RecordedPackets> packets_;
+  wire::Origin recorded_{};
+  std::optional<std::uint64_t> first_log_time_;
+  Time began_;
+  Time health_due_;
+  Time calibration_due_;
+  std::optional<wire::CalibrationPacket> calibration_;
+  std::uint64_t begun_ = 0;  // subscriptions that have got it
+  std::size_t told_health_ = 0;
+  std::size_t told_events_ = 0;
+  bool given_up_ = false;
+  std::uint64_t frames_ = 0;
+  std::uint64_t not_whole_ = 0;
+  std::uint64_t passes_ = 0;
+  std::uint64_t damaged_ = 0;
+};
+
+}  // namespace
+
+void replay(const ReplayOptions& options) {
+  stop_on_signals();
+  if (!wire::start_crypto()) {
+    throw Failure(Exit::kFailure, "this system has no random numbers");
+  }
+  // Before anybody waits for it.
+  const recording::Summary summary = value_or_fail(recording::summarise(options.file));
+  if (summary.frames == 0) {
+    throw Failure(Exit::kBadInput, options.file.string() + ": holds no frames of a sensor");
+  }
+  auto server = recording::ReplayServer::open(options.bind, options.port);
+  if (!server) {
+    throw Failure(Exit::kBadInput, server.error());
+  }
+  const std::string place = options.bind + ":" + std::to_string(server->port());
+  if (!options.json) {
+    std::printf("replay of %s, %llu frames: nothing of it is new; subscribe at %s\n",
+                options.file.c_str(), static_cast<unsigned long long>(summary.frames),
+                place.c_str());
+    std::fflush(stdout);
+  }
+  if (!options.port_file.empty()) {
+    value_or_fail(dataset::write_whole(options.port_file, std::to_string(server->port()) + "\n"));
+  }
+  Player player(options, *server);
+  do {
+    player.play(value_or_fail(recording::FrameReader::open(options.file)));
+  } while (options.loop && !player.over() && player.frames() != 0);
+  if (options.json) {
+    const nlohmann::ordered_json json{{"file", options.file.string()},
+                                      {"frames", player.frames()},
+                                      {"frames_not_whole", player.not_whole()},
+                                      {"passes", player.passes()},
+                                      {"damaged", player.damaged()},
+                                      {"subscriptions", server->begun()}};
+    std::puts(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+  } else {
+    std::printf("sent %llu frames to %llu subscriptions",
+                static_cast<unsigned long long>(player.frames()),
+                static_cast<unsigned long long>(server->begun()));
+    std::printf(player.not_whole() == 0 ? "\n" : ", %llu not: they were not received as a whole\n",
+                static_cast<unsigned long long>(player.not_whole()));
+  }
+  if (player.given_up()) {
+    throw Failure(Exit::kFailure, "nobody subscribed: stof view " + place);
+  }
+  if (player.not_whole() != 0 || player.damaged() != 0) {
+    throw Failure(Exit::kFailure,
+                  "not all of the recording could be sent: " + std::to_string(player.not_whole()) +
+                      " frames, " + std::to_string(player.damaged()) + " damaged records");
+  }
+}
+
+void add_replay(CLI::App& app, ReplayOptions& options) {
+  CLI::App& command = *app.add_subcommand(
+      "replay", "Send a recording to clients, as a sensor would: stof view and libstof subscribe");
+  command.footer(
+      "Example: stof replay hall.mcap --loop   and beside it: stof view 127.0.0.1\n"
+      "It begins when the first client subscribes. Stamps and numbers are those of the recording, "
+      "the session is a new one, and every packet says that its clock is that of a recording.\n"
+      "To compute depth again of raw pictures: stofd --replay FILE.\n"
+      "Ends with 0 (all of it was sent), 1 (not all of it could be, or nobody subscribed) or 2 "
+      "(bad "
+      "input, or the port cannot be had).");
+  command.add_option("FILE", options.file, "The recording")->required();
+  command.add_option("--rate", options.rate, "2: twice as fast as it was, 0.5: half")
+      ->check(CLI::Range(0.01, 100.0))
+      ->capture_default_str();
+  command.add_flag("--loop", options.loop, "From its begin again, until interrupted");
+  command.add_option("--port", options.port, "UDP port to be subscribed at, 0: any free one")
+      ->capture_default_str();
+  command
+      .add_option("--bind", options.bind,
+                  "Address of the interface; 0.0.0.0: every client of the network may subscribe")
+      ->capture_default_str();
+  command.add_option("--port-file", options.port_file,
+                     "File that gets the number of the opened port");
+  command
+      .add_option("--timeout", options.timeout_s,
+                  "Give up after so many seconds without a subscriber; 0: wait until interrupted")
+      ->check(CLI::Range(0.0, 1e7))
+      ->capture_default_str();
+  command.add_flag("--json", options.json, "A JSON object at the end, and nothing else");
+  command.callback([&options] { replay(options); });
+}
+
+}  // namespace stof::host
