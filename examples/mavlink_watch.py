@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""mavlink_watch.py [PORT]: what a sensor tells an autopilot by MAVLink over UDP (14550): the nearest obstacle by direction."""
+"""mavlink_watch.py [PORT]: what a sensor tells an autopilot by MAVLink over UDP (14550; 0: any free port): where the nearest obstacle may be."""
 
 import socket
 import struct
@@ -33,6 +33,7 @@ def messages(data):
 
 receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 receiver.bind(("", int(sys.argv[1]) if len(sys.argv) > 1 else 14550))
+print(f"listening at UDP port {receiver.getsockname()[1]}", flush=True)
 data = b""
 while True:
     found, data = messages(data + receiver.recv(65536))

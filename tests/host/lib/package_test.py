@@ -8,10 +8,13 @@ import functools
 import os
 import pathlib
 import re
+import select
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 
@@ -49,7 +52,9 @@ class Package(unittest.TestCase):
         cls.prefix.parent.mkdir()
         shutil.move(first, cls.prefix)  # nothing may know where it was
         cls.library = next(cls.prefix.rglob("libstof.so")).parent
-        cls.sensor = subprocess.Popen([ENVIRONMENT["STOFD"], "--size", "160x120", "--port", "0", "--port-file", cls.folder / "port"],
+        cls.line, far_end = os.openpty()
+        cls.sensor = subprocess.Popen([ENVIRONMENT["STOFD"], "--size", "160x120", "--port", "0", "--port-file", cls.folder / "port",
+                                       "--serial", os.ttyname(far_end), "--set", "serial.mode=mavlink"],
                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         cls.addClassCleanup(cls.stop)
         end = time.monotonic() + 60
@@ -148,6 +153,21 @@ class Package(unittest.TestCase):
         run(ENVIRONMENT["CC"], *ENVIRONMENT["CFLAGS"].split(), f"-I{self.prefix}/include", self.examples / "watch.c",
             "-o", program, self.library / "libstof.a", "-lsodium", "-lstdc++", "-lm", "-pthread")
         self.assertIn("straight ahead", self.run_example(program))
+
+    def test_the_client_of_an_autopilot_hears_the_nearest_obstacle(self):
+        with subprocess.Popen([sys.executable, "-B", "-u", self.examples / "mavlink_watch.py", "0"], stdout=subprocess.PIPE, text=True) as watch, \
+                socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            port = int(re.fullmatch(r"listening at UDP port (\d+)\n", watch.stdout.readline())[1])
+            heard = []
+            reader = threading.Thread(target=lambda: heard.append(watch.stdout.readline()))
+            reader.start()
+            end = time.monotonic() + 60
+            while reader.is_alive() and time.monotonic() < end:
+                if select.select([self.line], [], [], 0.1)[0]:
+                    sender.sendto(os.read(self.line, 1024), ("127.0.0.1", port))
+            watch.kill()
+            reader.join()
+        self.assertRegex(heard[0], r"^nearest \d+ cm at [+-]\d+\.\d degrees\n$")
 
     def test_nothing_but_the_interface_is_visible(self):
         names = run("nm", "-D", "--defined-only", self.library / "libstof.so").split("\n")
