@@ -81,7 +81,7 @@ FLAT = {HAL_INTERFACES, BOARD_TABLES}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>|(\w+))')
 PRAGMA_ONCE = re.compile(r"^\s*#\s*pragma\s+once\b", re.MULTILINE)
 # What other projects include or copy is judged by their rules: C, names of its own, all in one file.
-FOR_OTHERS = ("host/lib/include/", "host/lib/examples/")
+FOR_OTHERS = ("host/lib/include/", "examples/")
 SUFFIXES = (".h", ".cpp", ".c")
 OTHER_SUFFIXES = (".hpp", ".hh", ".hxx", ".cc", ".cxx", ".inl", ".inc", ".ipp")
 

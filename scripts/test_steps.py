@@ -75,6 +75,7 @@ def layers(log):
     count.add(one(log.run("scripts/wire_table.py", "--check")))
     count.add(unit_tests(log, "tests/scripts/wire_table_test.py"))
     count.add(unit_tests(log, "tests/scripts/security_test.py"))
+    count.add(unit_tests(log, "tests/scripts/packaging_test.py"))
     return count
 
 
@@ -260,6 +261,20 @@ def image(log):
     return count
 
 
+def package(log):
+    """Debian packages, and what they do in a fresh Debian: a case is a line of scripts/package --check."""
+    if not log.run("scripts/setup", "package"):
+        return Count(failed=1, notes=["no packages"])
+    count = one(log.run("scripts/package"))
+    seen = len(log.lines())
+    succeeded = log.run("scripts/package", "--check")
+    said = log.lines()[seen:]
+    count.passed += sum(": ok " in line for line in said)
+    failed = [line for line in said if ": FAILED " in line]
+    count.add(Count(failed=len(failed) or (0 if succeeded else 1), notes=failed))
+    return count
+
+
 def mutation(log):
     """Kernels whose stores have a wrong byte: comparisons with the reference must notice each array at each level."""
     if not build(log, "mutation"):
@@ -334,12 +349,14 @@ STEPS = {
     "system-long": system("long"),
     "calib": plain(calib),
     "image": plain(image),
+    "package": plain(package),
 }
 # A newcomer's run. scripts/test installs no more than these need.
 SHORT = ("format", "layers", "emu", "arm64-kernels", "boards")
 # Of every change: step arm64 has the kernels, too.
 CI = ("format", "layers", "emu", "boards", "tidy", "emu-asan", "gcc", "arm64", "system")
-ALL = CI + ("mutation", "arm64-host", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long", "calib", "image")
+ALL = CI + ("mutation", "arm64-host", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long", "calib", "image",
+             "package")
 
 
 def main():

@@ -27,6 +27,8 @@ target_compile_options(stof_options INTERFACE
   # g++ 12 says it of its own std::streambuf.
   $<$<CXX_COMPILER_ID:Clang>:-Wnull-dereference>
   $<$<BOOL:${STOF_WERROR}>:-Werror>
+  # Whatever names a source, in what CHECK says and in debug information, names its place in the tree, wherever that was built.
+  -ffile-prefix-map=${PROJECT_SOURCE_DIR}/=
   # Host and board must compute the same bits.
   -ffp-contract=off)
 
@@ -159,3 +161,14 @@ endfunction()
 add_custom_target(stof_tidy
   COMMAND ${PROJECT_SOURCE_DIR}/scripts/tidy --build-dir ${PROJECT_BINARY_DIR}
   USES_TERMINAL VERBATIM)
+
+# stof_install_says_what_is_missing(COMPONENT TARGET...): `cmake --install` takes of a component what was built, by OPTIONAL of its
+# install(TARGETS) lines; a line each says what was not, and how to build it.
+function(stof_install_says_what_is_missing component)
+  foreach(target IN LISTS ARGN)
+    install(CODE "
+      if(NOT EXISTS \"$<TARGET_FILE:${target}>\")
+        message(NOTICE \"-- Not installed, for it is not built: $<TARGET_FILE_NAME:${target}>. To build it: cmake --build ${PROJECT_BINARY_DIR} --target ${target}\")
+      endif()" COMPONENT ${component})
+  endforeach()
+endfunction()

@@ -15,8 +15,8 @@ unpack_debian() {
   # The mirror this machine installs from has later releases too.
   local mirror
   mirror=$(apt-get update --print-uris 2>/dev/null |
-    sed -n "s#^'\(.*\)/dists/bookworm/InRelease'.*#\1#p" | head -n1)
-  [ -n "$mirror" ] || fail "apt's sources on this machine name no archive of Debian 12 (suite bookworm)"
+    sed -n "s#^'\(.*\)/dists/\(bookworm\|trixie\)/InRelease'.*#\1#p" | head -n1)
+  [ -n "$mirror" ] || fail "apt's sources on this machine name no archive of Debian 12 or 13 (suites bookworm, trixie)"
 
   local log=$dest.log include
   part=$dest.part.$$  # not local: the trap runs after this function

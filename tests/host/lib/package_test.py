@@ -1,21 +1,26 @@
 #!/usr/bin/env python3
-"""package_test.py: libstof as another project gets it. Installs it, builds the projects of host/lib/examples
-against it, one by CMake, one by pkg-config, and runs them against stofd, before and after the whole was moved.
+"""package_test.py: libstof as another project gets it. Installs it, moves the whole, builds the programs of
+examples/ against it, by CMake, by pkg-config and by hand, and runs them against one stofd; the Python ones, too.
 Environment: STOF_BUILD, STOF_EXAMPLES, STOFD (folders and program), CMAKE, CC, CXX, CFLAGS, CXXFLAGS, GENERATOR.
 Ends with 77 in a cross build: its programs do not run against the installed library here."""
 
+import functools
 import os
 import pathlib
 import re
+import select
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 
 ENVIRONMENT = os.environ
 FRAMES = 5
+LOOKS = 40  # at 20 Hz: the first calibration comes within a second
 
 
 def run(*command, **options):
@@ -23,6 +28,15 @@ def run(*command, **options):
     if ended.returncode != 0:
         raise AssertionError(f"{command}: {ended.returncode}\n{ended.stdout}\n{ended.stderr}")
     return ended.stdout
+
+
+def refusal(*command):
+    """What a command that ends with 2 says."""
+    ended = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=60, env={
+        **ENVIRONMENT, "LD_LIBRARY_PATH": str(Package.library)})
+    if ended.returncode != 2:
+        raise AssertionError(f"{command}: {ended.returncode}\n{ended.stdout}\n{ended.stderr}")
+    return ended.stderr
 
 
 class Package(unittest.TestCase):
@@ -38,7 +52,9 @@ class Package(unittest.TestCase):
         cls.prefix.parent.mkdir()
         shutil.move(first, cls.prefix)  # nothing may know where it was
         cls.library = next(cls.prefix.rglob("libstof.so")).parent
-        cls.sensor = subprocess.Popen([ENVIRONMENT["STOFD"], "--port", "0", "--port-file", cls.folder / "port"],
+        cls.line, far_end = os.openpty()
+        cls.sensor = subprocess.Popen([ENVIRONMENT["STOFD"], "--size", "160x120", "--port", "0", "--port-file", cls.folder / "port",
+                                       "--serial", os.ttyname(far_end), "--set", "serial.mode=mavlink"],
                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         cls.addClassCleanup(cls.stop)
         end = time.monotonic() + 60
@@ -53,22 +69,49 @@ class Package(unittest.TestCase):
         cls.sensor.terminate()
         cls.sensor.wait(20)
 
-    def run_example(self, program, *arguments):
-        return run(program, self.endpoint, FRAMES, *arguments,
+    def run_example(self, program, frames=FRAMES):
+        return run(program, self.endpoint, frames,
                    env={**ENVIRONMENT, "LD_LIBRARY_PATH": str(self.library)})
 
-    def build_by_cmake(self, name, *options):
-        build = self.folder / name
-        run(ENVIRONMENT["CMAKE"], "-S", self.examples / "cpp", "-B", build, "-G", ENVIRONMENT["GENERATOR"],
-            f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DCMAKE_CXX_COMPILER={ENVIRONMENT['CXX']}",
-            f"-DCMAKE_CXX_FLAGS={ENVIRONMENT['CXXFLAGS']} -Wall -Wextra -Werror", *options)
+    @classmethod
+    @functools.cache
+    def build_by_cmake(cls):
+        build = cls.folder / "cmake"
+        run(ENVIRONMENT["CMAKE"], "-S", cls.examples, "-B", build, "-G", ENVIRONMENT["GENERATOR"],
+            f"-DCMAKE_PREFIX_PATH={cls.prefix}", f"-DCMAKE_CXX_COMPILER={ENVIRONMENT['CXX']}", f"-DCMAKE_C_COMPILER={ENVIRONMENT['CC']}",
+            *(f"-DCMAKE_{language}_FLAGS={ENVIRONMENT[f'{language}FLAGS']} -Wall -Wextra -Werror" for language in ("C", "CXX")))
         run(ENVIRONMENT["CMAKE"], "--build", build)
-        return build / "points"
+        return build
 
     def test_a_cmake_project_finds_it_and_gets_points(self):
-        text = self.run_example(self.build_by_cmake("cmake"))
+        text = self.run_example(self.build_by_cmake() / "points")
         self.assertEqual(len(re.findall(r"^frame \d+: \d+x\d+, [1-9]\d* points, the nearest at", text, re.MULTILINE)),
                          FRAMES, text)
+
+    def assert_sees_what_is_ahead(self, text):
+        """Of LOOKS lines all but those before the first calibration say what is nearest in the corridor, and how sure it is."""
+        self.assertEqual(len(text.splitlines()), LOOKS, text)
+        seen = re.findall(r"^frame \d+: (\d+\.\d\d) m, -\+ (\d+\.\d\d) m$", text, re.MULTILINE)
+        self.assertEqual(len(seen) + text.count("stop: no depth\n"), LOOKS, text)
+        self.assertGreaterEqual(len(seen), 1, text)
+        for nearest, half_width in seen:
+            self.assertTrue(0.3 < float(nearest) < 12 and float(half_width) < 8, text)
+
+    def test_the_short_clients_see_what_is_ahead(self):
+        for program in ("obstacle", "obstacle_c"):
+            self.assert_sees_what_is_ahead(self.run_example(self.build_by_cmake() / program, LOOKS))
+            self.assertRegex(refusal(self.build_by_cmake() / program), "^usage: ")
+
+    def test_the_short_client_in_python_sees_what_is_ahead(self):
+        if "sanitize" in ENVIRONMENT["CFLAGS"]:
+            self.skipTest("no Python loads a library with sanitizers")
+        python = next((python for python in (sys.executable, "/usr/bin/python3")
+                       if os.path.exists(python) and subprocess.run([python, "-c", "import numpy"], capture_output=True).returncode == 0), None)
+        if python is None:
+            self.skipTest("no numpy: install python3-numpy")
+        package = pathlib.Path(__file__).resolve().parents[3] / "host/python"
+        environment = {**ENVIRONMENT, "PYTHONPATH": str(package), "STOF_LIBRARY": str(self.library / "libstof.so")}
+        self.assert_sees_what_is_ahead(run(python, "-B", self.examples / "obstacle.py", self.endpoint, LOOKS, env=environment))
 
     def test_a_c_project_finds_it_by_pkg_config(self):
         if not shutil.which("pkg-config"):
@@ -79,7 +122,7 @@ class Package(unittest.TestCase):
         flags = run("pkg-config", "--cflags", "--libs", "stof", env=found).split()
         program = self.folder / "watch"
         run(ENVIRONMENT["CC"], *ENVIRONMENT["CFLAGS"].split(), "-Wall", "-Wextra", "-Werror",
-            self.examples / "c/main.c", "-o", program, *flags)
+            self.examples / "watch.c", "-o", program, *flags)
         text = self.run_example(program)
         self.assertGreaterEqual(len(re.findall(r"^frame \d+: \d+\.\d+ m straight ahead", text, re.MULTILINE)), FRAMES)
         self.assertIn("libstof 0.1", text)
@@ -91,7 +134,7 @@ class Package(unittest.TestCase):
         self.assertEqual(run("pkg-config", "--print-requires-private", "stof_static", env=found).strip(), "libsodium")
         flags = run("pkg-config", "--static", "--cflags", "--libs", "stof_static", env=found).split()
         program = self.folder / "watch_static"
-        run(ENVIRONMENT["CC"], *ENVIRONMENT["CFLAGS"].split(), self.examples / "c/main.c", "-o", program, *flags)
+        run(ENVIRONMENT["CC"], *ENVIRONMENT["CFLAGS"].split(), self.examples / "watch.c", "-o", program, *flags)
         self.assertNotIn("libstof", run("readelf", "-d", program))
         text = run(program, self.endpoint, FRAMES)  # the folder of the shared one is not named
         self.assertGreaterEqual(len(re.findall(r"^frame \d+: \d+\.\d+ m straight ahead", text, re.MULTILINE)), FRAMES)
@@ -107,9 +150,24 @@ class Package(unittest.TestCase):
 
     def test_the_static_library_is_whole(self):
         program = self.folder / "static"
-        run(ENVIRONMENT["CC"], *ENVIRONMENT["CFLAGS"].split(), f"-I{self.prefix}/include", self.examples / "c/main.c",
+        run(ENVIRONMENT["CC"], *ENVIRONMENT["CFLAGS"].split(), f"-I{self.prefix}/include", self.examples / "watch.c",
             "-o", program, self.library / "libstof.a", "-lsodium", "-lstdc++", "-lm", "-pthread")
         self.assertIn("straight ahead", self.run_example(program))
+
+    def test_the_client_of_an_autopilot_hears_the_nearest_obstacle(self):
+        with subprocess.Popen([sys.executable, "-B", "-u", self.examples / "mavlink_watch.py", "0"], stdout=subprocess.PIPE, text=True) as watch, \
+                socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            port = int(re.fullmatch(r"listening at UDP port (\d+)\n", watch.stdout.readline())[1])
+            heard = []
+            reader = threading.Thread(target=lambda: heard.append(watch.stdout.readline()))
+            reader.start()
+            end = time.monotonic() + 60
+            while reader.is_alive() and time.monotonic() < end:
+                if select.select([self.line], [], [], 0.1)[0]:
+                    sender.sendto(os.read(self.line, 1024), ("127.0.0.1", port))
+            watch.kill()
+            reader.join()
+        self.assertRegex(heard[0], r"^nearest \d+ cm at [+-]\d+\.\d degrees\n$")
 
     def test_nothing_but_the_interface_is_visible(self):
         names = run("nm", "-D", "--defined-only", self.library / "libstof.so").split("\n")

@@ -214,7 +214,7 @@ class Example(WithSensor):
             self.skipTest("no matplotlib: install python3-matplotlib")
         with tempfile.TemporaryDirectory(prefix="stof_") as folder:
             picture = pathlib.Path(folder) / "depth.png"
-            ended = subprocess.run([sys.executable, "-B", support.ROOT / "host/python/examples/show_depth.py", self.address, picture],
+            ended = subprocess.run([sys.executable, "-B", support.ROOT / "examples/show_depth.py", self.address, picture],
                                    capture_output=True, text=True, check=False, timeout=120,
                                    env={**os.environ, "PYTHONPATH": str(support.ROOT / "host/python"), "MPLBACKEND": "Agg"})
             self.assertEqual(ended.returncode, 0, ended.stderr)
