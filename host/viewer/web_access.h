@@ -10,9 +10,9 @@ namespace stof::viewer {
 
 // What a request said of itself. Empty: it did not say.
 struct WebRequest {
-  std::string_view host;    // of the header Host: "localhost:7570"
-  std::string_view origin;  // of the header Origin: "http://localhost:7570"
-  std::string_view token;   // of the address: "?token=..."
+  std::string_view host{};    // of the header Host: "localhost:7570"
+  std::string_view origin{};  // of the header Origin: "http://localhost:7570"
+  std::string_view token{};   // of the address: "?token=..."
 };
 
 enum class Access : unsigned char {

@@ -12,6 +12,7 @@ namespace stof::viewer {
 namespace {
 
 constexpr int kStalledSeconds = 10;
+constexpr int kRequestSeconds = 4;  // that a request may take to come
 constexpr std::size_t kMostHeaderBytes = 2048;
 // Requests beside the connected pages; what comes then waits to be accepted.
 constexpr unsigned kSpareConnections = 16;
@@ -114,8 +115,9 @@ bool WebServer::Parts::listen(std::uint16_t at) {
                  LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
   info.fd_limit_per_thread = static_cast<unsigned>(options.max_pages) + kSpareConnections;
   info.max_http_header_data = 2 * kMostHeaderBytes;
-  info.timeout_secs = kStalledSeconds;
-  info.keepalive_timeout = kStalledSeconds;
+  info.timeout_secs = kRequestSeconds;
+  info.timeout_secs_ah_idle = kRequestSeconds;
+  info.keepalive_timeout = kRequestSeconds;
   info.retry_and_idle_policy = &idle;
   info.server_string = "stof";
   context = lws_create_context(&info);

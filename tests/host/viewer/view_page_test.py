@@ -253,7 +253,7 @@ class Ways(unittest.TestCase):
 
     def test_a_sensor_that_restarts_is_shown_again_and_a_token_keeps_others_out(self):
         sensor = self.start(Sensor)
-        view = self.start(View, sensor, "--lan", "--http-port", "0", "--timeout", "3")
+        view = self.start(View, sensor, "--lan", "--http-port", "0", "--timeout", "5")
         token = re.search(r"\?token=([0-9a-f]{32})$", view.addresses[0])[1]
         for wrong in ("", "0" * 32, token[:-1], token + "0"):
             self.assertEqual(get(view.port, f"/?token={wrong}")[0], 403)
@@ -270,7 +270,7 @@ class Ways(unittest.TestCase):
             while "silent" not in (status := page.message("status"))["link"]:
                 pass
             # Longer than --timeout: nobody ends while a page is there.
-            end = time.monotonic() + 4
+            end = time.monotonic() + 6
             while time.monotonic() < end:
                 status = page.message("status")
             self.assertIn("no frame comes", status["waiting"])
