@@ -36,13 +36,14 @@ in vec3 colour;
 out vec4 drawn;
 void main() { drawn = vec4(colour, 1.0); }`;
 
+const firstPoints = 19_200; // 30 frames a second also where the processor draws
 const largestBlock = 8;
 const slowMs = 50; // 15 clouds a second, and time for the rest
 const fastMs = 25;
 const longestMs = 2000;
 
 export class CloudView {
-  block = 4; // pixels on a side
+  block = 0; // pixels on a side; 0: not chosen yet
   private gl: WebGL2RenderingContext | null;
   private program: WebGLProgram | null = null;
   private textures: WebGLTexture[] = [];
@@ -111,6 +112,7 @@ export class CloudView {
     const { depth, calibration } = frame;
     if (!gl || !this.program || !depth || !calibration) return;
     const begunAt = performance.now();
+    this.block ||= Math.max(1, Math.ceil(Math.sqrt((frame.width * frame.height) / firstPoints)));
     const block = full ? 1 : this.block;
     const columns = Math.floor(frame.width / block);
     const rows = Math.floor(frame.height / block);
@@ -130,7 +132,7 @@ export class CloudView {
     gl.uniform1i(at("block"), block);
     gl.uniform4f(at("lens"), calibration.fx, calibration.fy, calibration.cx, calibration.cy);
     const pixelsPerPixel = Math.min(width / frame.width, height / frame.height);
-    gl.uniform1f(at("size"), 1.15 * block * pixelsPerPixel);
+    gl.uniform1f(at("size"), 1.3 * block * pixelsPerPixel);
     gl.uniformMatrix4fv(at("camera"), false, this.camera(frame, width, height));
     gl.drawArrays(gl.POINTS, 0, columns * rows);
     if (!full && !this.fence) {
@@ -156,7 +158,7 @@ export class CloudView {
     if (this.took > slowMs && this.block < largestBlock) {
       ++this.block;
       this.took = 0;
-    } else if (this.took < fastMs && this.block > 2 && ++this.fast > 30) {
+    } else if (this.took < fastMs && this.block > 1 && ++this.fast > 30) {
       --this.block;
       this.fast = this.took = 0;
     }

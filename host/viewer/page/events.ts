@@ -22,10 +22,12 @@ export function showEvent(list: HTMLElement, event: SensorEvent): void {
   while (list.children.length > mostShown) list.lastElementChild!.remove();
 }
 
-export function showHealth(line: HTMLElement, list: HTMLElement, health: Status["health"]): void {
+export function showHealth(line: HTMLElement, list: HTMLElement, health: Status["health"], old: boolean): void {
   if (!health) return;
-  line.textContent = health.text.replace(/^health: /, "").replace(/, active:[^;]*/, "");
-  line.dataset.level = levelOf(health.severity);
+  list.hidden = old;
+  const text = health.text.replace(/^health: /, "").replace(/, active:[^;]*/, "");
+  line.textContent = old ? `Unknown: the sensor says nothing. The last that it said: ${text}` : text;
+  line.dataset.level = old ? "wait" : levelOf(health.severity);
   const key = JSON.stringify(health.active);
   if (list.dataset.key === key) return;
   list.dataset.key = key;

@@ -10,6 +10,12 @@ function find<T extends HTMLElement>(id: string): T {
   return document.getElementById(id) as T;
 }
 
+// What does not change costs no layout.
+function put(id: string, text: string): void {
+  const element = find(id);
+  if (element.textContent !== text) element.textContent = text;
+}
+
 function chosen(name: string): string {
   return document.querySelector<HTMLInputElement>(`input[name="${name}"]:checked`)!.value;
 }
@@ -18,6 +24,8 @@ function chosen(name: string): string {
 function short(value: number): string {
   return String(Number(value.toPrecision(3)));
 }
+
+const readEveryMs = 100; // faster than that nobody reads
 
 class Page {
   private map = find<HTMLCanvasElement>("map");
@@ -47,6 +55,8 @@ class Page {
   private isConnected = false;
   private wasConnected = false;
   private saying = 0;
+  private aspect = "";
+  private readAt = 0;
 
   constructor() {
     this.connection = new Connection({
@@ -69,8 +79,9 @@ class Page {
   }
 
   private hello(hello: Hello): void {
-    find("sensor").textContent = hello.sensor;
-    document.title = `stof ${hello.sensor}`;
+    const name = hello.sensor.replace(/^UDP /, "");
+    find("sensor").textContent = name;
+    document.title = `stof ${name}`;
     this.table = hello.colours.map(rgb);
     this.sources = hello.sources;
     if (!this.scale) {
@@ -134,14 +145,19 @@ class Page {
     if (!frame || !this.depthView || document.hidden) return;
     const base = chosen("base");
     const overlay = chosen("overlay") as Overlay;
-    find("stage").style.setProperty("--aspect", `${frame.width} / ${frame.height}`);
+    const aspect = `${frame.width} / ${frame.height}`;
+    if (aspect !== this.aspect) find("stage").style.setProperty("--aspect", (this.aspect = aspect));
     if (base === "cloud") {
       this.cloudView?.draw(frame, overlay, this.paused);
     } else {
       this.depthView.draw(frame, base as Base, overlay);
       this.probe.place();
     }
-    this.showProbe();
+    const now = performance.now();
+    if (now - this.readAt >= readEveryMs || this.paused) {
+      this.readAt = now;
+      this.showProbe();
+    }
     this.note(this.absence(frame, base, overlay));
   }
 
@@ -158,13 +174,12 @@ class Page {
   }
 
   private sensorName(): string {
-    return find("sensor").textContent!.replace(/^UDP /, "").replace(/:7560$/, "");
+    return find("sensor").textContent!.replace(/:7560$/, "");
   }
 
   private note(text: string): void {
-    const note = find("note");
-    if (note.textContent !== text) note.textContent = text;
-    note.hidden = text === "";
+    put("note", text);
+    find("note").hidden = text === "";
   }
 
   private choose(): void {
@@ -223,7 +238,8 @@ class Page {
   private showLegend(): void {
     if (!this.scale) return;
     const widths = chosen("overlay") === "width";
-    const scale = widths ? new Scale([...this.table].reverse(), widthNear, widthFar) : this.scale;
+    // A width is read as a half to each side, as the probe tells it.
+    const scale = widths ? new Scale([...this.table].reverse(), widthNear / 2, widthFar / 2) : this.scale;
     const legend = find("legend");
     legend.hidden = chosen("overlay") === "source" || (chosen("base") === "left" && !widths);
     const flat = window.matchMedia("(max-width: 480px)").matches;
@@ -237,7 +253,7 @@ class Page {
       context.fillStyle = `rgb(${r} ${g} ${b})`;
       context.fillRect(flat ? at : 0, flat ? 0 : at, 1, 1);
     }
-    const text = (metres: number) => (widths && metres < 1 ? `${short(metres * 1000)} mm` : `${short(metres)} m`);
+    const text = (metres: number) => (widths ? `± ${short(metres * 1000)} mm` : `${short(metres)} m`);
     const least = flat ? 0.11 : 0.045; // between ticks
     let last = -1;
     find("ticks").replaceChildren(...scale.ticks().flatMap((value) => {
@@ -265,10 +281,10 @@ class Page {
 
   private showProbe(): void {
     const read = this.probe.read(this.frame, this.sources.map((one) => one.name));
-    find("probe-pixel").textContent = read.pixel;
-    find("probe-depth").textContent = read.depth;
-    find("probe-width").textContent = read.width;
-    find("probe-source").textContent = read.source === "pmd" ? "PMD" : read.source;
+    put("probe-pixel", read.pixel);
+    put("probe-depth", read.depth);
+    put("probe-width", read.width);
+    put("probe-source", read.source === "pmd" ? "PMD" : read.source);
   }
 
   private pause(is: boolean): void {
@@ -306,7 +322,7 @@ class Page {
     }
     this.counted = { at: now, toldMs: status.at_ms, frames: status.frames, bad, received: this.received, drawn: this.drawn };
     this.latencies = [];
-    showHealth(find("health"), find("active"), status.health);
+    showHealth(find("health"), find("active"), status.health, this.silent());
     this.plot();
     this.showState();
   }
@@ -325,9 +341,8 @@ class Page {
   // One line, for eyes and ears: said again only where it changes.
   private showState(): void {
     const [text, level] = this.stateText();
-    const state = find("state");
-    if (state.textContent !== text) state.textContent = text;
-    state.dataset.level = level;
+    put("state", text);
+    find("state").dataset.level = level;
     find("stage").style.opacity = this.isConnected && !this.silent() ? "1" : "0.45";
   }
 

@@ -236,7 +236,7 @@ let failed = 0;
 try {
   browser = await chromium.launch({
     executablePath: "/usr/bin/chromium",
-    args: [...(process.getuid() === 0 ? ["--no-sandbox"] : []), "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+    args: [...(process.getuid() === 0 ? ["--no-sandbox"] : []), "--disable-gpu", "--enable-unsafe-swiftshader"],
   });
   const truthFile = join(folder, "truth.pfm");
   const sensor = await startSensor(bin, 0, [...flags, "--truth", truthFile]);

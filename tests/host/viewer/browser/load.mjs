@@ -41,7 +41,11 @@ export async function measure(browser, bin, seconds) {
   for (const [name, prepare] of [
     ["depth", async () => {}],
     ["depth with the pointer on it", async () => page.locator("#map").hover()],
-    ["cloud", async () => page.locator("input[name=base][value=cloud]").check({ force: true })],
+    ["depth, paused", async () => page.locator("#pause").click()],
+    ["cloud", async () => {
+      await page.locator("#pause").click();
+      await page.locator("input[name=base][value=cloud]").check({ force: true });
+    }],
   ]) {
     await prepare();
     await wait(3000);
