@@ -21,6 +21,7 @@
 #include "host/cli/recording/recover.h"
 #include "host/cli/report.h"
 #include "host/cli/view/raw_flags.h"
+#include "host/cli/view/replay.h"
 #include "host/cli/view/view.h"
 #include "posix/out_of_resources.h"
 
@@ -82,9 +83,10 @@ void add_evaluate(CLI::App& app, Commands& commands) {
 void add_view(CLI::App& app, ViewOptions& options) {
   CLI::App& view_command = *app.add_subcommand(
       "view", "Receive depth: a page in the browser, a line a second, pictures");
-  view_command.add_option("SENSOR", options.sensor,
-                          "HOST[:PORT] of the sensor to subscribe at, port 7560 without; none: "
-                          "listen for a sensor that sends here");
+  view_command.add_option(
+      "SENSOR", options.sensor,
+      "HOST[:PORT] of the sensor to subscribe at, port 7560 without, or a file that "
+      "stof record wrote; none: listen for a sensor that sends here");
   add_receive_flags(view_command, options);
   view_command
       .add_option("--frames", options.frames, "End after so many frames; 0: when interrupted")
@@ -109,7 +111,7 @@ void add_view(CLI::App& app, ViewOptions& options) {
     }
     judge_receive_options(options);
     check_raw_flags(options);
-    view(options);
+    is_recording(options) ? replay(options) : view(options);
   });
 }
 

@@ -68,7 +68,7 @@ class RecordedFrame {
   int left_height = 0;
   std::vector<std::uint8_t> left{};
 
-  // Views into this object: depth, width, source and cause as they were received.
+  // Views into this object: depth, width, source, cause and left as they were received.
   client::Frame view() const;
 };
 

@@ -64,7 +64,8 @@ std::string dumped(const nlohmann::json& json) {
 
 }  // namespace
 
-std::string hello_message(const std::string& sensor, const host::ColourScale& scale) {
+std::string hello_message(const std::string& sensor, const host::ColourScale& scale,
+                          bool recording) {
   nlohmann::json colours = nlohmann::json::array();
   for (int i = 0; i < kScaleColours; ++i) {
     colours.push_back(colour_text(host::scale_colour(i / double{kScaleColours - 1})));
@@ -76,6 +77,7 @@ std::string hello_message(const std::string& sensor, const host::ColourScale& sc
   }
   return dumped({{"type", "hello"},
                  {"sensor", sensor},
+                 {"recording", recording},
                  {"near_m", scale.near_m},
                  {"far_m", scale.far_m},
                  {"colours", colours},

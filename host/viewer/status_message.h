@@ -12,8 +12,10 @@
 // What the page is told beside frames, as JSON. docs: docs/VIEWER.md.
 namespace stof::viewer {
 
-// The colours of depths and sources, the ends of the fixed scale, the sensor's address.
-std::string hello_message(const std::string& sensor, const host::ColourScale& scale);
+// The colours of depths and sources, the ends of the fixed scale, the sensor's address or the
+// recording's name.
+std::string hello_message(const std::string& sensor, const host::ColourScale& scale,
+                          bool recording);
 
 struct Status {
   const client::Statistics& statistics;

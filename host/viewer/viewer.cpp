@@ -58,10 +58,11 @@ Viewer& Viewer::operator=(Viewer&&) noexcept = default;
 Viewer::~Viewer() = default;
 
 std::expected<Viewer, std::string> Viewer::open(const ViewerOptions& options) {
-  std::unique_ptr<Parts> parts(
-      new Parts{.broadcast = Broadcast(hello_message(options.sensor, options.scale)),  // NOLINT
-                .token = options.lan ? random_token() : "",
-                .lan = options.lan});
+  std::unique_ptr<Parts> parts(new Parts{
+      .broadcast =
+          Broadcast(hello_message(options.sensor, options.scale, options.recording)),  // NOLINT
+      .token = options.lan ? random_token() : "",
+      .lan = options.lan});
   std::expected<WebServer, std::string> server = WebServer::open(
       {.page = kPage,
        .policy = kPagePolicy,

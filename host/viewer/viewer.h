@@ -14,6 +14,7 @@ namespace stof::viewer {
 struct ViewerOptions {
   std::string sensor{};       // what the page calls it
   host::ColourScale scale{};  // the page's fixed one
+  bool recording = false;     // a file: what is shown happened before
   // Others than this machine may look; every address then carries a token.
   bool lan = false;
   std::optional<std::uint16_t> port{};  // none: kDefaultPort, or any free one where it is taken

@@ -21,10 +21,10 @@ void add_page_flags(CLI::App& command, PageOptions& options) {
   command.add_flag("--no-browser", options.no_browser, "Print the page's address, open no browser");
 }
 
-void PageView::open(const PageOptions& options, const std::string& sensor,
-                    const ColourScale& scale) {
-  std::expected<viewer::Viewer, std::string> viewer = viewer::Viewer::open(
-      {.sensor = sensor, .scale = scale, .lan = options.lan, .port = options.http_port});
+void PageView::open(const PageOptions& options, viewer::ViewerOptions shown) {
+  shown.lan = options.lan;
+  shown.port = options.http_port;
+  std::expected<viewer::Viewer, std::string> viewer = viewer::Viewer::open(shown);
   if (!viewer) {
     throw Failure(Exit::kBadInput, viewer.error());
   }
@@ -56,13 +56,20 @@ void PageView::tell(const wire::EventReport& event, const std::string& text) {
   }
 }
 
-void PageView::tell_status(const ReceiveOptions& options, client::Receiver& receiver,
-                           client::Time now) {
+bool PageView::due(client::Time now) {
   constexpr std::chrono::milliseconds kEvery{500};
   if (!visited() || now - told_ < kEvery) {
-    return;
+    return false;
   }
   told_ = now;
+  return true;
+}
+
+void PageView::tell_status(const ReceiveOptions& options, client::Receiver& receiver,
+                           client::Time now) {
+  if (!due(now)) {
+    return;
+  }
   const client::LinkState link = receiver.link();
   viewer_->tell(
       {.statistics = receiver.statistics(),
@@ -70,6 +77,18 @@ void PageView::tell_status(const ReceiveOptions& options, client::Receiver& rece
        .health = receiver.health(),
        .health_text = receiver.health() ? health_line(*receiver.health()) : "",
        .waiting = link.silent ? "no frame comes" + silence_text(receiver, options.device) : ""});
+}
+
+void PageView::tell_recorded(const client::Statistics& statistics,
+                             const std::optional<wire::HealthReport>& health, client::Time now) {
+  if (due(now)) {
+    const client::LinkState link{.silent = false};
+    viewer_->tell({.statistics = statistics,
+                   .link = link,
+                   .health = health,
+                   .health_text = health ? health_line(*health) : "",
+                   .waiting = ""});
+  }
 }
 
 }  // namespace stof::host

@@ -224,7 +224,7 @@ void view(const ViewOptions& options) {
   say((options.sensor.empty() ? "listening on " : "subscribing at ") + place_of(options, receiver));
   PageView page;
   if (has_page(options)) {
-    page.open(options.page, place_of(options, receiver), options.scale);
+    page.open(options.page, {.sensor = place_of(options, receiver), .scale = options.scale});
   }
   tell_port(options, receiver);
   View session(meant, receiver, page);

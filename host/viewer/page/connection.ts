@@ -23,6 +23,7 @@ export interface Frame {
 
 export interface Hello {
   sensor: string;
+  recording: boolean;
   near_m: number;
   far_m: number;
   colours: string[];

@@ -46,6 +46,8 @@ class Page {
   private frame: Frame | null = null; // the newest, or the one that stands while paused
   private fresh = false; // it is not drawn yet
   private paused = false;
+  private more = 0; // frames that are still taken while paused
+  private choseAt = 0;
   private drawing = 0;
   private received = 0;
   private drawn = 0;
@@ -56,6 +58,7 @@ class Page {
   private wasConnected = false;
   private saying = 0;
   private aspect = "";
+  private recording = false;
   private readAt = 0;
 
   constructor() {
@@ -82,6 +85,7 @@ class Page {
     const name = hello.sensor.replace(/^UDP /, "");
     find("sensor").textContent = name;
     document.title = `stof ${name}`;
+    this.recording = hello.recording;
     this.table = hello.colours.map(rgb);
     this.sources = hello.sources;
     if (!this.scale) {
@@ -100,7 +104,7 @@ class Page {
   }
 
   private planes(): Plane[] {
-    if (this.paused) return [];
+    if (this.paused) return this.more ? ["depth", "width", "source", "left"] : [];
     const base = chosen("base");
     const overlay = chosen("overlay");
     const planes: Plane[] = ["depth"];
@@ -122,7 +126,8 @@ class Page {
 
   private arrived(frame: Frame): void {
     ++this.received;
-    if (this.paused) return;
+    if (this.paused && !this.more) return;
+    this.more = frame.source || frame.intervalWidth ? 0 : Math.max(0, this.more - 1);
     if (this.fresh) this.connection.ask(1); // the one before is never drawn
     this.frame = frame;
     this.fresh = true;
@@ -137,7 +142,7 @@ class Page {
     this.autoRange();
     this.redraw();
     ++this.drawn;
-    this.connection.ask(1);
+    this.connection.ask(this.paused && !this.more ? 0 : 1);
   }
 
   private redraw(): void {
@@ -163,11 +168,14 @@ class Page {
 
   // Why there is nothing to see.
   private absence(frame: Frame, base: string, overlay: Overlay): string {
-    const setting = (name: string) => `stof config ${this.sensorName()} set streams.${name}=rvl`;
-    if (base === "left" && frame.leftWidth === 0) return `The sensor does not send its left picture: ${setting("grey_left")}`;
-    if (base !== "left" && frame.width === 0) return `The sensor sends no depth: ${setting("depth")}`;
-    if (overlay === "source" && !frame.source && !this.fresh) return `The sensor does not send sources: ${setting("source")}`;
-    if (overlay === "width" && !frame.intervalWidth) return `The sensor does not send widths: ${setting("width")}`;
+    const absent = (what: string, name: string) => this.recording
+      ? `The recording holds no ${what}.`
+      : `The sensor sends no ${what}: stof config ${this.sensorName()} set streams.${name}=rvl`;
+    if (base === "left" && frame.leftWidth === 0) return absent("left picture", "grey_left");
+    if (base !== "left" && frame.width === 0) return absent("depth", "depth");
+    if (performance.now() - this.choseAt < 1000) return ""; // it may not have been asked for
+    if (overlay === "source" && !frame.source) return absent("sources", "source");
+    if (overlay === "width" && !frame.intervalWidth) return absent("widths", "width");
     if (base === "cloud" && !this.cloudView?.available()) return "This browser has no WebGL 2: the cloud cannot be drawn.";
     if (base === "cloud" && !frame.calibration) return "The cloud waits for the sensor's calibration, which it tells once a second.";
     return "";
@@ -183,6 +191,7 @@ class Page {
   }
 
   private choose(): void {
+    this.choseAt = performance.now();
     const cloud = chosen("base") === "cloud";
     this.map.hidden = cloud;
     this.cloudCanvas.hidden = !cloud;
@@ -291,7 +300,8 @@ class Page {
     this.paused = is;
     const button = find("pause");
     button.setAttribute("aria-pressed", String(is));
-    this.connection.ask(is ? 0 : 2);
+    this.more = is ? 3 : 0; // until one has all that it can be asked for while it stands
+    this.connection.ask(2);
     this.redraw();
     this.showState();
   }
@@ -360,6 +370,7 @@ class Page {
     if (this.paused) return ["Paused", "wait"];
     const health = this.status?.health;
     if (health && health.severity > 0) return [health.active.filter((one) => one.severity > 0).map((one) => one.name.replace(/_/g, " ")).join(", ") || "trouble", levelOf(health.severity)];
+    if (this.recording) return ["Recording", "good"];
     return this.frame ? ["Live", "good"] : ["waiting for the first frame", "wait"];
   }
 }

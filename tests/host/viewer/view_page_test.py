@@ -281,6 +281,35 @@ class Ways(unittest.TestCase):
         self.assertEqual(view.stop(), 0)
         self.assertEqual(view.text().count(token), len(view.addresses))
 
+    def test_a_recording_is_shown_again_and_again(self):
+        sensor = self.start(Sensor)
+        file = pathlib.Path(self.folder) / "it.mcap"
+        made = subprocess.run([*COMMAND, "record", f"127.0.0.1:{sensor.port}", file, "--frames", "6", "--timeout", "20"], capture_output=True,
+                              text=True, timeout=ENOUGH_S, check=False)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        self.assertEqual(sensor.stop(), 0)
+        log = pathlib.Path(self.folder) / "replay.log"
+        with log.open("w", encoding="utf-8") as lines:
+            view = subprocess.Popen([*COMMAND, "view", file, "--http-port", "0"], stdout=lines, stderr=lines)
+        self.addCleanup(view.kill)
+        await_("its address", lambda: "page: " in log.read_text(encoding="utf-8"))
+        with WebSocket(int(re.search(r":(\d+)/", log.read_text(encoding="utf-8"))[1])) as page:
+            hello = page.message("hello")
+            self.assertEqual((hello["sensor"], hello["recording"]), ("it.mcap", True))
+            numbers = []
+            while not any(after < before for before, after in zip(numbers, numbers[1:])):  # it began again
+                page.ask("depth", "left")
+                head, planes = page.frame()
+                self.assertEqual(head["planes"], ["depth", "left"])
+                self.assertGreater(len(set(planes["left"])), 10)
+                numbers.append(head["frame"])
+            self.assertEqual(page.message("status")["link"], [])
+        view.send_signal(signal.SIGTERM)
+        self.assertEqual(view.wait(ENOUGH_S), 0)
+        for flags in (["--frames", "1"], ["--headless", "x"], ["--signed"]):
+            ended = subprocess.run([*COMMAND, "view", file, *flags], capture_output=True, text=True, timeout=ENOUGH_S, check=False)
+            self.assertEqual((ended.returncode, ended.stderr.count("\n")), (2, 1), ended.stderr)
+
     def test_headless_writes_pictures_and_serves_nothing(self):
         sensor = self.start(Sensor)
         out = pathlib.Path(self.folder) / "pictures"

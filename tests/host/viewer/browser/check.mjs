@@ -21,8 +21,8 @@ async function open(address, size = wide, scheme = "light") {
   const context = await browser.newContext({ viewport: size, colorScheme: scheme });
   const page = await context.newPage();
   page.on("console", (message) => {
-    // This test reads the canvas, the page does not.
-    const ours = message.text().includes("willReadFrequently");
+    // This test reads the canvases, the page does not.
+    const ours = /willReadFrequently|GPU stall due to ReadPixels/.test(message.text());
     if (["error", "warning"].includes(message.type()) && !ours) complaints.push(message.text());
   });
   page.on("pageerror", (error) => complaints.push(error.message));
@@ -158,6 +158,14 @@ const checks = {
       return greys.size > 40;
     }));
     await shot(page, "left_dark");
+    // A picture that stands has all planes.
+    await choose(page, "base", "depth");
+    await page.locator("#pause").click();
+    await until("a frame with all planes", async () => { await probe(page, 40, 60); return true; });
+    await choose(page, "overlay", "source");
+    await new Promise((done) => setTimeout(done, 1500));
+    assert.ok(await page.locator("#note").isHidden());
+    await shot(page, "source_paused_dark");
     await page.context().close();
   },
 
