@@ -30,9 +30,9 @@ class Closed(Exception):
 def request(port, text):
     """The status of the answer to these bytes; 0: there was none. And the answer."""
     with socket.create_connection(("127.0.0.1", port), ENOUGH_S) as connection:
-        connection.sendall(text.encode())
         answer = b""
         try:
+            connection.sendall(text.encode())
             while True:
                 part = connection.recv(65536)
                 if not part:
