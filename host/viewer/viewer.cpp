@@ -1,6 +1,7 @@
 #include "host/viewer/viewer.h"
 
 #include <array>
+#include <cstring>
 #include <utility>
 
 #include <arpa/inet.h>
@@ -32,10 +33,10 @@ std::vector<std::string> own_addresses() {
         (at->ifa_flags & IFF_UP) == 0 || (at->ifa_flags & IFF_LOOPBACK) != 0) {
       continue;
     }
+    sockaddr_in address{};
+    std::memcpy(&address, at->ifa_addr, sizeof address);
     std::array<char, INET_ADDRSTRLEN> text{};
-    const void* const address = static_cast<const char*>(static_cast<const void*>(at->ifa_addr)) +
-                                offsetof(sockaddr_in, sin_addr);
-    if (inet_ntop(AF_INET, address, text.data(), text.size()) != nullptr) {
+    if (inet_ntop(AF_INET, &address.sin_addr, text.data(), text.size()) != nullptr) {
       all.emplace_back(text.data());
     }
   }
@@ -79,13 +80,13 @@ std::expected<Viewer, std::string> Viewer::open(const ViewerOptions& options) {
 }
 
 std::vector<std::string> Viewer::addresses() const {
-  const std::string end = ":" + std::to_string(parts_->server->port()) + "/" +
-                          (parts_->token.empty() ? "" : "?token=" + parts_->token);
+  std::string end = ":" + std::to_string(parts_->server->port()) + "/";
+  if (!parts_->token.empty()) {
+    end += "?token=" + parts_->token;
+  }
   std::vector<std::string> all{"http://127.0.0.1" + end};
-  if (parts_->lan) {
-    for (const std::string& address : own_addresses()) {
-      all.push_back("http://" + address + end);
-    }
+  for (const std::string& address : parts_->lan ? own_addresses() : std::vector<std::string>()) {
+    all.push_back(std::string("http://").append(address).append(end));
   }
   return all;
 }

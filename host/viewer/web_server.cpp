@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <csignal>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -49,6 +50,30 @@ std::string token_of(lws* wsi) {
   return {};
 }
 
+// libwebsockets ignores SIGPIPE for the whole program, which ends it at the end of a pipe.
+class KeptSigpipe {
+ public:
+  KeptSigpipe() { sigaction(SIGPIPE, nullptr, &before_); }
+  ~KeptSigpipe() { sigaction(SIGPIPE, &before_, nullptr); }
+  KeptSigpipe(const KeptSigpipe&) = delete;
+  KeptSigpipe& operator=(const KeptSigpipe&) = delete;
+
+ private:
+  struct sigaction before_{};
+};
+
+// A thread that no signal disturbs: they are the program's other threads'.
+template <typename Body>
+std::thread without_signals(Body body) {
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  std::thread thread(std::move(body));
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return thread;
+}
+
 const unsigned char* bytes_of(const char* text) noexcept {
   return reinterpret_cast<const unsigned char*>(text);  // NOLINT: libwebsockets' text is unsigned
 }
@@ -76,10 +101,10 @@ struct WebServer::Parts {
   static int callback(lws* wsi, lws_callback_reasons reason, void* user, void* in,
                       std::size_t size);
   int on_http(lws* wsi, std::string_view path);
-  int on_upgrade(lws* wsi);
+  int on_upgrade(lws* wsi) const;
   int answer(lws* wsi, unsigned status, const char* type, std::string_view body);
   int on_connected(Slot& slot);
-  int on_message(lws* wsi, Connection& connection, std::string_view part);
+  static int on_message(lws* wsi, Connection& connection, std::string_view part);
   int on_writeable(lws* wsi, Connection& connection);
   Access access(lws* wsi) const;
 
@@ -95,6 +120,7 @@ struct WebServer::Parts {
 };
 
 bool WebServer::Parts::listen(std::uint16_t at) {
+  const KeptSigpipe kept;
   protocols = {};
   protocols[0].name = options.subprotocol.data();
   protocols[0].callback = &Parts::callback;
@@ -194,7 +220,7 @@ int WebServer::Parts::on_http(lws* wsi, std::string_view path) {
 }
 
 // Before a request becomes a WebSocket: 0 lets it.
-int WebServer::Parts::on_upgrade(lws* wsi) {
+int WebServer::Parts::on_upgrade(lws* wsi) const {
   unsigned status = 0;
   if (access(wsi) != Access::kGranted) {
     status = HTTP_STATUS_FORBIDDEN;
@@ -278,7 +304,7 @@ int WebServer::Parts::callback(lws* wsi, lws_callback_reasons reason, void* user
       lws_callback_on_writable(wsi);
       return 0;
     case LWS_CALLBACK_RECEIVE:
-      return slot->connection == nullptr ? -1 : parts->on_message(wsi, *slot->connection, text);
+      return slot->connection == nullptr ? -1 : on_message(wsi, *slot->connection, text);
     case LWS_CALLBACK_SERVER_WRITEABLE:
       return slot->connection == nullptr ? -1 : parts->on_writeable(wsi, *slot->connection);
     case LWS_CALLBACK_CLOSED:
@@ -309,7 +335,7 @@ std::expected<WebServer, std::string> WebServer::open(WebServerOptions options) 
     return std::unexpected("TCP port " + std::to_string(all.port) +
                            " cannot be had: give another --http-port, 0 for any free one");
   }
-  parts->thread = std::thread([raw = parts.get()] {
+  parts->thread = without_signals([raw = parts.get()] {
     while (!raw->stopping && lws_service(raw->context, 0) >= 0) {
     }
   });

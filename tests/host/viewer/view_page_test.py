@@ -326,6 +326,15 @@ class Ways(unittest.TestCase):
             for file in files:
                 self.assertTrue(file.read_bytes().startswith(b"\x89PNG"))
 
+    def test_it_ends_with_the_pipe_that_it_prints_to(self):
+        sensor = self.start(Sensor)
+        view = subprocess.Popen([*COMMAND, "view", f"127.0.0.1:{sensor.port}", "--http-port", "0"], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(view.kill)
+        while not (line := view.stdout.readline()).startswith("page: "):
+            self.assertTrue(line, "it ended")
+        view.stdout.close()
+        self.assertEqual(view.wait(ENOUGH_S), -signal.SIGPIPE)
+
     def test_a_port_that_is_taken(self):
         sensor = self.start(Sensor)
         view = self.start(View, sensor, "--http-port", "0")
