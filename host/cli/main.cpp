@@ -23,6 +23,7 @@
 #include "host/cli/report.h"
 #include "host/cli/update.h"
 #include "host/cli/view/raw_flags.h"
+#include "host/cli/view/replay.h"
 #include "host/cli/view/view.h"
 #include "posix/out_of_resources.h"
 
@@ -84,16 +85,21 @@ void add_evaluate(CLI::App& app, Commands& commands) {
 }
 
 void add_view(CLI::App& app, ViewOptions& options) {
-  CLI::App& view_command =
-      *app.add_subcommand("view", "Receive depth, print a line a second, leave pictures");
-  view_command.add_option("SENSOR", options.sensor,
-                          "HOST[:PORT] of the sensor to subscribe at, port 7560 without; none: "
-                          "listen for a sensor that sends here");
+  CLI::App& view_command = *app.add_subcommand(
+      "view", "Receive depth: a page in the browser, a line a second, pictures");
+  view_command.add_option(
+      "SENSOR", options.sensor,
+      "HOST[:PORT] of the sensor to subscribe at, port 7560 without, or a file that "
+      "stof record wrote; none: listen for a sensor that sends here");
   add_receive_flags(view_command, options);
   view_command
       .add_option("--frames", options.frames, "End after so many frames; 0: when interrupted")
       ->capture_default_str();
   view_command.add_option("--out", options.out, "Folder for depth.png, depth_color.png, cloud.ply");
+  view_command.add_option(
+      "--headless", options.headless,
+      "Folder for depth_NUMBER.png and depth_color_NUMBER.png of every frame, in "
+      "place of the page in the browser");
   view_command.add_option("--truth", options.truth, "PFM, Z in metres: print the error against it");
   view_command.add_option("--near", options.scale.near_m, "Distance of the warmest colour, metres")
       ->check(CLI::Range(0.01, 1000.0))
@@ -101,6 +107,7 @@ void add_view(CLI::App& app, ViewOptions& options) {
   view_command.add_option("--far", options.scale.far_m, "Distance of the coldest colour, metres")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
+  add_page_flags(view_command, options.page);
   add_raw_flags(view_command, options);
   view_command.callback([&options] {
     if (!(options.scale.near_m < options.scale.far_m)) {
@@ -108,7 +115,7 @@ void add_view(CLI::App& app, ViewOptions& options) {
     }
     judge_receive_options(options);
     check_raw_flags(options);
-    view(options);
+    is_recording(options) ? replay(options) : view(options);
   });
 }
 

@@ -157,15 +157,17 @@ std::expected<Summary, Problem> summarise(const std::filesystem::path& file) {
 
 client::Frame RecordedFrame::view() const {
   client::Frame frame{.origin = origin, .stamp = stamp};
-  const auto image = [this]<typename T>(const std::vector<T>& pixels) {
+  const auto sized = []<typename T>(const std::vector<T>& pixels, int columns, int rows) {
     return pixels.empty() ? dsp::ImageView<const T>()
-                          : dsp::ImageView<const T>(pixels.data(), width, height);
+                          : dsp::ImageView<const T>(pixels.data(), columns, rows);
   };
+  const auto image = [&](const auto& pixels) { return sized(pixels, width, height); };
   frame.depth = image(depth);
   frame.interval_width = image(interval_width);
   frame.source = image(source);
   frame.cause = image(cause);
   frame.received = image(received);
+  frame.left = sized(left, left_width, left_height);
   frame.packets = packets;
   frame.missing_packets = missing_packets;
   frame.info = info;

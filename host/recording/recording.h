@@ -77,7 +77,7 @@ class RecordedFrame {
   int pmd_height = 0;
   std::array<std::vector<std::uint16_t>, 4> pmd{};
 
-  // Views into this object: depth, width, source and cause as they were received.
+  // Views into this object: depth, width, source, cause and left as they were received.
   client::Frame view() const;
 };
 

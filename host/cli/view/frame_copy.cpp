@@ -10,6 +10,7 @@
 #include "host/picture/depth_picture.h"
 #include "host/picture/disparity_picture.h"
 #include "host/picture/source_colours.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -78,6 +79,21 @@ std::string write_others(const std::filesystem::path& folder,
   return names.empty() ? names : names.substr(2);
 }
 
+// Their names end with `end`.
+void write_depth_pictures(const std::filesystem::path& folder, const std::string& end,
+                          const dataset::Image<dsp::QuarterMm>& depth, std::uint32_t number,
+                          const ColourScale& scale) {
+  value_or_fail(
+      write_png(folder / ("depth" + end + ".png"), depth,
+                {{"Title", "Depth map"},
+                 {"Description",
+                  "16-bit grey: Z in the rectified left camera, unit 0.25 mm (value / 4000 = "
+                  "metres), 0 = none"},
+                 {"Source", "made from received packets only, frame " + std::to_string(number)}}));
+  value_or_fail(write_png(folder / ("depth_color" + end + ".png"), depth_picture(depth, scale),
+                          {{"Title", "Depth map in colours, near is warm"}}));
+}
+
 }  // namespace
 
 void FrameCopy::keep(const client::Frame& frame) {
@@ -120,6 +136,12 @@ DepthPlanes FrameCopy::planes() const {
   return to_metres(depth_.view(), width_.view());
 }
 
+void FrameCopy::write_depth(const std::filesystem::path& folder, const ColourScale& scale) const {
+  make_folder(folder);
+  write_depth_pictures(folder, printed("_%010u", frame_.stamp.number), depth_, frame_.stamp.number,
+                       scale);
+}
+
 std::string FrameCopy::write(const std::filesystem::path& folder, const ColourScale& scale) const {
   make_folder(folder);
   const std::string what =
@@ -129,16 +151,7 @@ std::string FrameCopy::write(const std::filesystem::path& folder, const ColourSc
   if (!has_depth()) {
     return (others.empty() ? "wrote nothing" : "wrote " + others) + what + "; no depth arrived";
   }
-  value_or_fail(write_png(
-      folder / "depth.png", depth_,
-      {{"Title", "Depth map"},
-       {"Description",
-        "16-bit grey: Z in the rectified left camera, unit 0.25 mm (value / 4000 = "
-        "metres), 0 = none"},
-       {"Source",
-        "made from received packets only, frame " + std::to_string(frame_.stamp.number)}}));
-  value_or_fail(write_png(folder / "depth_color.png", depth_picture(depth_, scale),
-                          {{"Title", "Depth map in colours, near is warm"}}));
+  write_depth_pictures(folder, "", depth_, frame_.stamp.number, scale);
   const std::string pictures =
       (folder / "depth.png").string() + ", " + (folder / "depth_color.png").string();
   std::vector<client::Point> points;

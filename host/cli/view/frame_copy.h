@@ -19,6 +19,9 @@ class FrameCopy {
   // Not without depth. A width that was not sent is 0.
   DepthPlanes planes() const;
 
+  // Writes depth_0000000042.png (16 bit) and depth_color_0000000042.png, named by the frame's
+  // number. Not without depth. Throws Failure.
+  void write_depth(const std::filesystem::path& folder, const ColourScale& scale) const;
   // Writes the images that there are into the folder, which is made where missing: depth.png (16
   // bit, quarter millimetres), depth_color.png and cloud.ply, source.png, disparity.png, left.png,
   // right.png. Returns one line that says what was written, or why no cloud could be. Throws

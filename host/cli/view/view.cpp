@@ -24,8 +24,8 @@ void say(const std::string& line) {
 // One reception from the first packet to the last.
 class View {
  public:
-  View(const ViewOptions& options, client::Receiver& receiver)
-      : options_(options), receiver_(receiver) {}
+  View(const ViewOptions& options, client::Receiver& receiver, PageView& page)
+      : options_(options), receiver_(receiver), page_(page) {}
 
   // Until enough frames came, a signal, or the timeout.
   void run() {
@@ -45,7 +45,8 @@ class View {
         packets = heard_of;
         heard = now;
       }
-      if (now - heard > std::chrono::duration<double>(options_.timeout_s)) {
+      page_.tell_status(options_, receiver_, now);
+      if (now - heard > std::chrono::duration<double>(options_.timeout_s) && !page_.visited()) {
         silent_ = true;
         return;
       }
@@ -79,6 +80,9 @@ class View {
     }
     if (receiver_.health()) {
       say(health_line(*receiver_.health()));
+    }
+    if (!options_.headless.empty()) {
+      say("wrote " + std::to_string(written_) + " frames to " + options_.headless.string());
     }
     if (!options_.out.empty()) {
       say((whole_.empty() ? newest_ : whole_).write(options_.out, options_.scale));
@@ -137,7 +141,9 @@ class View {
 
   void say_events() {
     while (const std::optional<wire::EventReport> event = receiver_.take_event()) {
-      say(event_line(*event));
+      const std::string text = event_line(*event);
+      say(text);
+      page_.tell(*event, text);
     }
   }
 
@@ -173,12 +179,16 @@ class View {
                         ": is not of the received frames' size: give the truth of this scene");
     }
     ++frames_;
+    page_.show(*frame);
     status_line_.count(*frame);
     streams_ = streams_line(*frame);
-    if (frame->complete()) {
-      whole_.keep(*frame);
-    } else {
-      newest_.keep(*frame);
+    FrameCopy& kept = frame->complete() ? whole_ : newest_;
+    kept.keep(*frame);
+    // One that came while the one before was written is left out: the newest is written.
+    if (!options_.headless.empty() && kept.has_depth() && frame->last_packet >= written_at_) {
+      kept.write_depth(options_.headless, options_.scale);
+      ++written_;
+      written_at_ = client::Time::clock::now();
     }
   }
 
@@ -191,6 +201,7 @@ class View {
 
   const ViewOptions& options_;
   client::Receiver& receiver_;
+  PageView& page_;
   StatusLine status_line_;
   FrameCopy whole_;   // the newest complete frame
   FrameCopy newest_;  // the newest incomplete one
@@ -198,20 +209,31 @@ class View {
   bool replay_ = false;  // the newest frame is of a recording
   std::string streams_;  // of the newest frame
   std::uint64_t frames_ = 0;
-  std::uint64_t raw_ = 0;  // exposures with all raw pictures
+  std::uint64_t written_ = 0;  // frames of `headless`
+  client::Time written_at_{};  // when the last of them was there
+  std::uint64_t raw_ = 0;      // exposures with all raw pictures
   client::Time raw_heard_{};
   bool silent_ = false;
 };
 
 }  // namespace
 
+bool has_page(const ViewOptions& options) {
+  return (options.frames == 0 && options.raw_count == 0 && options.headless.empty()) ||
+         options.page.http_port || options.page.lan;
+}
+
 void view(const ViewOptions& options) {
   stop_on_signals();
   ViewOptions meant = options;
   client::Receiver receiver = open_receiver(meant, options.raw);
   say((options.sensor.empty() ? "listening on " : "subscribing at ") + place_of(options, receiver));
+  PageView page;
+  if (has_page(options)) {
+    page.open(options.page, {.sensor = place_of(options, receiver), .scale = options.scale});
+  }
   tell_port(options, receiver);
-  View session(meant, receiver);
+  View session(meant, receiver, page);
   session.run();
   session.finish();
 }

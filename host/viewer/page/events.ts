@@ -1,0 +1,42 @@
+import { SensorEvent, Status } from "./connection";
+
+const levels = ["good", "minor", "major", "major"];
+const mostShown = 100;
+
+export function levelOf(severity: number): string {
+  return levels[severity] ?? "major";
+}
+
+function element(name: string, text: string): HTMLElement {
+  const made = document.createElement(name);
+  made.textContent = text;
+  return made;
+}
+
+// The newest first, with the time when `stof view` heard of it.
+export function showEvent(list: HTMLElement, event: SensorEvent): void {
+  const item = document.createElement("li");
+  item.dataset.level = event.active ? levelOf(event.severity) : "good";
+  item.append(element("span", event.text.replace(/^event: /, "")), element("time", new Date(event.time_ms).toLocaleTimeString()));
+  list.prepend(item);
+  while (list.children.length > mostShown) list.lastElementChild!.remove();
+}
+
+export function showHealth(line: HTMLElement, list: HTMLElement, health: Status["health"], old: boolean): void {
+  if (!health) return;
+  list.hidden = old;
+  const text = health.text.replace(/^health: /, "").replace(/, active:[^;]*/, "");
+  line.textContent = old ? `Unknown: the sensor says nothing. The last that it said: ${text}` : text;
+  line.dataset.level = old ? "wait" : levelOf(health.severity);
+  const key = JSON.stringify(health.active);
+  if (list.dataset.key === key) return;
+  list.dataset.key = key;
+  list.replaceChildren(
+    ...health.active.map((one) => {
+      const item = document.createElement("li");
+      item.dataset.level = levelOf(one.severity);
+      item.append(element("b", one.name.replace(/_/g, " ")), element("span", one.text));
+      return item;
+    }),
+  );
+}

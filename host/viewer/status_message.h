@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "firmware/wire/messages/event.h"
+#include "firmware/wire/messages/health.h"
+#include "host/client/session/link_watch.h"
+#include "host/client/statistics.h"
+#include "host/picture/colour_scale.h"
+
+// What the page is told beside frames, as JSON. docs: docs/VIEWER.md.
+namespace stof::viewer {
+
+// The colours of depths and sources, the ends of the fixed scale, the sensor's address or the
+// recording's name.
+std::string hello_message(const std::string& sensor, const host::ColourScale& scale,
+                          bool recording);
+
+struct Status {
+  const client::Statistics& statistics;
+  const client::LinkState& link;
+  const std::optional<wire::HealthReport>& health;
+  std::string health_text{};  // one line
+  std::string waiting{};      // why no frame comes, and what to do; empty: they come
+};
+std::string status_message(const Status& status);
+
+// text: the line that is printed.
+std::string event_message(const wire::EventReport& event, const std::string& text);
+
+}  // namespace stof::viewer

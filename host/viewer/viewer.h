@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/viewer/status_message.h"
+
+namespace stof::viewer {
+
+struct ViewerOptions {
+  std::string sensor{};       // what the page calls it
+  host::ColourScale scale{};  // the page's fixed one
+  bool recording = false;     // a file: what is shown happened before
+  // Others than this machine may look; every address then carries a token.
+  bool lan = false;
+  std::optional<std::uint16_t> port{};  // none: kDefaultPort, or any free one where it is taken
+};
+
+// The page in the browser: its server and what it is shown. For one thread, the receiver's.
+class Viewer {
+ public:
+  static constexpr std::uint16_t kDefaultPort = 7570;
+
+  // One line where the port cannot be had.
+  static std::expected<Viewer, std::string> open(const ViewerOptions& options);
+  Viewer(Viewer&&) noexcept;
+  Viewer& operator=(Viewer&&) noexcept;
+  ~Viewer();
+
+  // What to open, the best one first: of this machine, then (`lan`) of each of its networks. With
+  // the token: for the user's eyes alone.
+  std::vector<std::string> addresses() const;
+  // Somebody has opened the page.
+  bool visited() const noexcept;
+  // False: this build has no page, but one that says how to build it.
+  static bool has_page() noexcept;
+
+  // A frame is copied where a page waits for one; the newest wins.
+  void show(const client::Frame& frame, std::optional<double> latency_ms);
+  void tell(const Status& status);
+  void tell(const wire::EventReport& event, const std::string& text);
+
+ private:
+  struct Parts;
+  explicit Viewer(std::unique_ptr<Parts> parts) noexcept;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace stof::viewer

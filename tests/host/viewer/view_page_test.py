@@ -1,0 +1,349 @@
+#!/usr/bin/env python3
+"""view_page_test.py COMMAND...: the server of `stof view` (COMMAND: stof) with a WebSocket client in place of a browser. STOFD
+and STOF_EMU_PAIR hold these commands, their words separated by |."""
+
+import os
+import pathlib
+import re
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+from web_client import BINARY, Closed, Refused, WebSocket, get, request
+
+COMMAND = []
+STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
+ENOUGH_S = 60
+WIDTH, HEIGHT = 64, 48
+MOST_PAGES = 8
+
+
+def await_(what, condition):
+    end = time.monotonic() + ENOUGH_S
+    while not condition():
+        if time.monotonic() > end:
+            raise AssertionError(f"{what}: did not come")
+        time.sleep(0.02)
+
+
+class Program:
+    """A program that runs until stop(); its lines."""
+
+    def __init__(self, words, folder, name):
+        self.log = pathlib.Path(folder) / f"{name}.log"
+        with self.log.open("w", encoding="utf-8") as log:
+            self.process = subprocess.Popen([*map(str, words)], stdout=log, stderr=subprocess.STDOUT)
+
+    def text(self):
+        return self.log.read_text(encoding="utf-8")
+
+    def stop(self):
+        """Its exit code."""
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+        return self.process.wait(ENOUGH_S)
+
+
+class Sensor(Program):
+    def __init__(self, folder, port=0, name="sensor"):
+        port_file = pathlib.Path(folder) / f"{name}.port"
+        port_file.unlink(missing_ok=True)
+        super().__init__([*STOFD, "--scene", "room:3", "--seed", "1", "--size", f"{WIDTH}x{HEIGHT}", "--pmd", "32x24", "--period-ms", "100", "--port",
+                          port, "--port-file", port_file, "--set", "discovery.mdns=false", "--set", "discovery.beacon=false", "--set",
+                          "streams.grey_left=rvl", "--set", "streams.depth=rvl"], folder, name)
+        await_("the sensor's port", lambda: port_file.exists() and port_file.read_text(encoding="utf-8").endswith("\n"))
+        self.port = int(port_file.read_text(encoding="utf-8"))
+
+
+class View(Program):
+    def __init__(self, folder, sensor, *flags, name="view"):
+        super().__init__([*COMMAND, "view", f"127.0.0.1:{sensor.port}", *flags], folder, name)
+        await_("the page's address", lambda: re.search(r"^page: .*\n", self.text(), re.M) or self.process.poll() is not None)
+        self.addresses = re.findall(r"^page: (http://\S+)\n", self.text(), re.M)
+        assert self.addresses, self.text()
+        self.port = int(re.match(r"http://127\.0\.0\.1:(\d+)/", self.addresses[0])[1])
+
+
+class Pages(unittest.TestCase):
+    """One sensor and one `stof view` for all of them."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory(prefix="stof_")
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.sensor = Sensor(cls.folder.name)
+        cls.addClassCleanup(cls.sensor.stop)
+        cls.view = View(cls.folder.name, cls.sensor, "--http-port", "0", "--timeout", "20")
+        cls.addClassCleanup(cls.view.stop)
+        cls.port = cls.view.port
+
+    def open(self, **how):
+        """Waits for a place: a page that has just ended may still have it."""
+        end = time.monotonic() + ENOUGH_S
+        while True:
+            try:
+                page = WebSocket(self.port, **how)
+                self.addCleanup(page.close)
+                return page
+            except Refused as refused:
+                if refused.status != 503 or time.monotonic() > end:
+                    raise
+                time.sleep(0.05)
+
+    def test_the_page_is_one_document_that_loads_nothing(self):
+        status, answer = get(self.port)
+        self.assertEqual(status, 200)
+        head, _, body = answer.partition(b"\r\n\r\n")
+        head = head.decode().lower()
+        for line in ("cache-control: no-store", "x-content-type-options: nosniff", "x-frame-options: deny", "referrer-policy: no-referrer"):
+            self.assertIn(line, head)
+        policy = re.search(r"content-security-policy: (.*)\r?", head)[1]
+        self.assertTrue(policy.startswith("default-src 'none'"))
+        self.assertNotIn("unsafe", policy)
+        self.assertNotRegex(body.decode(), r"""(?:src|href)=["']?(?:https?:)?//""")
+
+    def test_hosts_that_are_not_this_machine_are_refused(self):
+        for host in ("evil.example", "evil.example:80", "127.0.0.1.evil.example", "192.168.7.7", "localhost.", "localhost:x", "127.0.0.1:", "[::1",
+                     "localhost:80:80", "0x7f000001", "[::2]", "127.0.0.1:999999", " "):
+            with self.subTest(host):
+                self.assertIn(get(self.port, host=host)[0], (0, 400, 403))
+                with self.assertRaises(Refused):
+                    WebSocket(self.port, host=host, origin=f"http://{host}")
+        self.assertEqual(request(self.port, "GET / HTTP/1.0\r\n\r\n")[0], 403)
+        for host in ("localhost", "LOCALHOST:1", "127.0.0.1:1", "[::1]:1"):
+            self.assertEqual(get(self.port, host=host)[0], 200, host)
+
+    def test_pages_of_other_sites_are_refused(self):
+        for origin in ("http://evil.example", "null", f"https://127.0.0.1:{self.port}", "http://127.0.0.1:1", f"http://localhost:{self.port}",
+                       "file://"):
+            with self.subTest(origin):
+                self.assertEqual(get(self.port, Origin=origin)[0], 403)
+                with self.assertRaises(Refused) as refused:
+                    WebSocket(self.port, origin=origin)
+                self.assertEqual(refused.exception.status, 403)
+        self.open(origin="").close()  # no browser
+
+    def test_what_is_no_request_for_the_page_is_refused(self):
+        self.assertEqual(get(self.port, "/other")[0], 404)
+        self.assertEqual(get(self.port, "/../../etc/passwd")[0], 404)
+        for method in ("POST", "PUT", "DELETE", "HEAD"):
+            self.assertNotEqual(get(self.port, method=method, Content_Length="0")[0], 200, method)
+        self.assertNotEqual(get(self.port, "/" + "a" * 100_000)[0], 200)
+        self.assertNotEqual(get(self.port, Large="a" * 100_000)[0], 500)
+        self.assertNotEqual(request(self.port, "\x00\xff nothing\r\n\r\n")[0], 200)
+        with self.assertRaises(Refused) as refused:
+            WebSocket(self.port, subprotocol="other")
+        self.assertEqual(refused.exception.status, 400)
+        self.assertEqual(get(self.port)[0], 200)
+
+    def test_messages_that_mean_nothing_end_the_connection(self):
+        for payload, status in ((b"", 1008), (b"{}", 1008), (b"[" * 1000, 1008), (b"\xff", None), (b'{"show":["depth"],"frames":3,"quiet":false}', 1008),
+                                (b'{"show":["x"],"frames":1,"quiet":false}', 1008), (b'{"show":["depth"],"frames":-1,"quiet":false}', 1008),
+                                (b'{"show":"depth","frames":1,"quiet":false}', 1008), (b'{"show":[1],"frames":1,"quiet":false}', 1008),
+                                (b'{"show":[],"frames":1,"quiet":0}', 1008), (b'{"show":[],"frames":1,"quiet":true,"more":1}', 1008),
+                                (b" " * 1025, 1009), (b" " * 100_000, 1009)):
+            with self.subTest(payload[:60]), self.open() as page:
+                with self.assertRaises((Closed, ConnectionError)) as closed:
+                    page.send(payload)
+                    while True:
+                        page.receive()
+                if status and isinstance(closed.exception, Closed):
+                    self.assertIn(closed.exception.status, (status, 0))
+        with self.open() as page:
+            page.send(b'{"show":[],"frames":0,"quiet":true}', BINARY)
+            with self.assertRaises(Closed):
+                while True:
+                    page.receive()
+        with self.open() as page:  # in parts that never end
+            with self.assertRaises((Closed, ConnectionError)):
+                page.send(b" " * 100, final=False)
+                for _ in range(100):
+                    page.send(b" " * 100, 0, final=False)
+                while True:
+                    page.receive()
+
+    def test_a_page_gets_what_it_asks_for_and_nothing_else(self):
+        with self.open() as page:
+            hello = page.message("hello")
+            self.assertEqual(len(hello["colours"]), 1024)
+            self.assertEqual([source["name"] for source in hello["sources"]], ["none", "stereo", "pmd", "both", "resolved", "conflict"])
+            page.ask("depth", "width", "source", "left")
+            head, planes = page.frame()
+            self.assertEqual((head["size"], head["left_size"], head["planes"]),
+                             ([WIDTH, HEIGHT], [WIDTH, HEIGHT], ["depth", "width", "source", "left"]))
+            depth = struct.unpack(f"<{WIDTH * HEIGHT}H", planes["depth"])
+            self.assertGreater(sum(value > 0 for value in depth), WIDTH * HEIGHT // 2)
+            self.assertTrue(all(source in range(6) for source in planes["source"]))
+            self.assertGreater(len(set(planes["left"])), 10)
+            numbers = [head["frame"]]
+            for _ in range(5):
+                page.ask("depth")
+                head, planes = page.frame()
+                self.assertEqual(list(planes), ["depth"])
+                numbers.append(head["frame"])
+            self.assertEqual(sorted(set(numbers)), numbers)
+            while (status := page.message("status"))["link"] or not status["health"]:
+                pass  # a slow machine is silent at times
+            self.assertEqual(status["waiting"], "")
+            self.assertGreater(status["frames"], 0)
+            self.assertIn("unpaired", [one["name"] for one in status["health"]["active"]])
+            # Not asked: it gets none. What comes next is a status that was told later than this one.
+            page.message("status")
+            page.ask(frames=2)
+            page.message("status")
+            self.assertEqual(page.receive()[0], 1)
+
+    def test_a_slow_page_skips_frames_and_gets_the_newest(self):
+        with self.open(receive_buffer=4096) as slow, self.open() as fast:
+            slow.ask("depth", frames=2)
+            fast.ask("depth", frames=2)
+            newest = 0
+            for _ in range(20):
+                newest = fast.frame()[0]["frame"]
+                fast.ask("depth")
+            first, second = slow.frame()[0]["frame"], slow.frame()[0]["frame"]
+            self.assertLess(second, newest)  # asked for long ago: these two were on the way
+            slow.ask("depth")
+            self.assertGreaterEqual(slow.frame()[0]["frame"], newest)  # what came meanwhile was never sent
+            self.assertLess(first, second)
+
+    def test_a_hundred_pages_are_served_or_refused(self):
+        open_, refused = [], 0
+        for _ in range(100):
+            try:
+                open_.append(WebSocket(self.port))
+            except Refused as one:
+                self.assertIn(one.status, (503, 0))
+                refused += 1
+        self.assertLessEqual(len(open_), MOST_PAGES)
+        self.assertEqual(len(open_) + refused, 100)
+        for page in open_:
+            page.ask("depth")
+            page.frame()
+            page.close()
+        with self.open() as page:
+            page.ask("depth")
+            page.frame()
+
+    def test_connections_that_say_nothing_keep_nobody_out(self):
+        silent = [socket.create_connection(("127.0.0.1", self.port), ENOUGH_S) for _ in range(30)]
+        try:
+            with self.open() as page:  # after the silent ones were given up
+                page.ask("depth")
+                page.frame()
+        finally:
+            for one in silent:
+                one.close()
+
+
+class Ways(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="stof_")
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def start(self, kind, *arguments, **named):
+        program = kind(self.folder, *arguments, **named)
+        self.addCleanup(program.stop)
+        return program
+
+    def test_a_sensor_that_restarts_is_shown_again_and_a_token_keeps_others_out(self):
+        sensor = self.start(Sensor)
+        view = self.start(View, sensor, "--lan", "--http-port", "0", "--timeout", "5")
+        token = re.search(r"\?token=([0-9a-f]{32})$", view.addresses[0])[1]
+        for wrong in ("", "0" * 32, token[:-1], token + "0"):
+            self.assertEqual(get(view.port, f"/?token={wrong}")[0], 403)
+            with self.assertRaises(Refused) as refused:
+                WebSocket(view.port, token=wrong)
+            self.assertEqual(refused.exception.status, 403)
+        self.assertEqual(get(view.port, f"/?token={token}")[0], 200)
+        self.assertEqual(get(view.port, f"/?token={token}", host="10.1.2.3:80")[0], 200)
+        self.assertEqual(get(view.port, f"/?token={token}", host="evil.example")[0], 403)
+        with WebSocket(view.port, token=token) as page:
+            page.ask("depth")
+            session = page.frame()[0]["session"]
+            self.assertEqual(sensor.stop(), 0)
+            while "silent" not in (status := page.message("status"))["link"]:
+                pass
+            # Longer than --timeout: nobody ends while a page is there.
+            end = time.monotonic() + 6
+            while time.monotonic() < end:
+                status = page.message("status")
+            self.assertIn("no frame comes", status["waiting"])
+            self.start(Sensor, port=sensor.port, name="again")
+            page.ask("depth")
+            head, _ = page.frame()
+            self.assertNotEqual(head["session"], session)
+        self.assertEqual(view.stop(), 0)
+        self.assertEqual(view.text().count(token), len(view.addresses))
+
+    def test_a_recording_is_shown_again_and_again(self):
+        sensor = self.start(Sensor)
+        file = pathlib.Path(self.folder) / "it.mcap"
+        made = subprocess.run([*COMMAND, "record", f"127.0.0.1:{sensor.port}", file, "--frames", "6", "--timeout", "20"], capture_output=True,
+                              text=True, timeout=ENOUGH_S, check=False)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        self.assertEqual(sensor.stop(), 0)
+        log = pathlib.Path(self.folder) / "replay.log"
+        with log.open("w", encoding="utf-8") as lines:
+            view = subprocess.Popen([*COMMAND, "view", file, "--http-port", "0"], stdout=lines, stderr=lines)
+        self.addCleanup(view.kill)
+        await_("its address", lambda: "page: " in log.read_text(encoding="utf-8"))
+        with WebSocket(int(re.search(r":(\d+)/", log.read_text(encoding="utf-8"))[1])) as page:
+            hello = page.message("hello")
+            self.assertEqual((hello["sensor"], hello["recording"]), ("it.mcap", True))
+            numbers = []
+            while not any(after < before for before, after in zip(numbers, numbers[1:])):  # it began again
+                page.ask("depth", "left")
+                head, planes = page.frame()
+                self.assertEqual(head["planes"], ["depth", "left"])
+                self.assertGreater(len(set(planes["left"])), 10)
+                numbers.append(head["frame"])
+            self.assertEqual(page.message("status")["link"], [])
+        view.send_signal(signal.SIGTERM)
+        self.assertEqual(view.wait(ENOUGH_S), 0)
+        for flags in (["--frames", "1"], ["--headless", "x"], ["--signed"]):
+            ended = subprocess.run([*COMMAND, "view", file, *flags], capture_output=True, text=True, timeout=ENOUGH_S, check=False)
+            self.assertEqual((ended.returncode, ended.stderr.count("\n")), (2, 1), ended.stderr)
+
+    def test_headless_writes_pictures_and_serves_nothing(self):
+        sensor = self.start(Sensor)
+        out = pathlib.Path(self.folder) / "pictures"
+        ended = subprocess.run([*COMMAND, "view", f"127.0.0.1:{sensor.port}", "--timeout", "20", "--frames", "5", "--headless", str(out)],
+                               capture_output=True, text=True, timeout=ENOUGH_S, check=False)
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        self.assertNotIn("page:", ended.stdout)
+        written = int(re.search(r"wrote (\d+) frames to ", ended.stdout)[1])
+        self.assertGreater(written, 0)
+        for kind in ("depth", "depth_color"):
+            files = sorted(out.glob(f"{kind}_??????????.png"))
+            self.assertEqual(len(files), written)
+            for file in files:
+                self.assertTrue(file.read_bytes().startswith(b"\x89PNG"))
+
+    def test_it_ends_with_the_pipe_that_it_prints_to(self):
+        sensor = self.start(Sensor)
+        view = subprocess.Popen([*COMMAND, "view", f"127.0.0.1:{sensor.port}", "--http-port", "0"], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(view.kill)
+        while not (line := view.stdout.readline()).startswith("page: "):
+            self.assertTrue(line, "it ended")
+        view.stdout.close()
+        self.assertEqual(view.wait(ENOUGH_S), -signal.SIGPIPE)
+
+    def test_a_port_that_is_taken(self):
+        sensor = self.start(Sensor)
+        view = self.start(View, sensor, "--http-port", "0")
+        ended = subprocess.run([*COMMAND, "view", f"127.0.0.1:{sensor.port}", "--http-port", str(view.port)],
+                               capture_output=True, text=True, timeout=ENOUGH_S, check=False)
+        self.assertEqual((ended.returncode, ended.stderr.count("\n")), (2, 1), ended.stderr)
+        self.assertIn(f"TCP port {view.port} cannot be had", ended.stderr)
+
+
+if __name__ == "__main__":
+    COMMAND.extend(sys.argv[1:])
+    unittest.main(argv=[sys.argv[0]], verbosity=2)
