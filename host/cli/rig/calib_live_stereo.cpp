@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kToldAtOnce = 2;  // of what is missing
 constexpr std::size_t kMoreViews = 3;   // where the fit finds that some are missing
 constexpr std::size_t kMostViews = 80;
+constexpr int kUntold = 20;  // exposures that a lens is waited for
 
 class LiveStereo {
  public:
@@ -27,6 +28,10 @@ class LiveStereo {
     LiveLines::say("subscribing at " + options_.live.sensor + "; views are kept in " +
                    kept_.folder().string() + ", what they cover in coverage.png there");
     while (std::optional<RawShot> shot = shots.next(kept_text())) {
+      // Its calibration comes with the first frames.
+      if (!guide_ && !shots.told_lens() && ++untold_ < kUntold) {
+        continue;
+      }
       if (!guide_) {
         begin(*shot, shots.told_lens());
         if (std::optional<TargetCalibration> found = finished()) {
@@ -137,7 +142,8 @@ class LiveStereo {
   KeptViews kept_;
   LiveLines lines_;
   std::optional<ViewGuide> guide_;  // from the first exposure on
-  dsp::Pinhole lens_;               // of both eyes, roughly; its size is the pictures'
+  int untold_ = 0;
+  dsp::Pinhole lens_;  // of both eyes, roughly; its size is the pictures'
 };
 
 }  // namespace
