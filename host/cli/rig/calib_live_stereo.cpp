@@ -88,9 +88,12 @@ class LiveStereo {
 
   // Whether a view was taken.
   bool look_at(const RawShot& shot) {
-    std::string name = kept_.next_name();
+    const std::string name = kept_.next_name();
+    const auto look = [&](Corners how) {
+      return sighting_of(shot.left, shot.right, target_.board, lens_, name, how);
+    };
     const ViewJudgement judgement =
-        guide_->judge(sighting_of(shot.left, shot.right, target_.board, lens_, name));
+        guide_->judge(look(Corners::kRough), [&look] { return look(Corners::kFine); });
     if (judgement.verdict != ViewVerdict::kTaken) {
       lines_.tell(static_cast<int>(judgement.verdict), verdict_text(judgement, guide_->options()));
       return false;

@@ -21,10 +21,11 @@ Sighting sighting_of(PairView corners, const Board& board, const dsp::Pinhole& l
 
 Sighting sighting_of(const dataset::Image<std::uint8_t>& left,
                      const dataset::Image<std::uint8_t>& right, const Board& board,
-                     const dsp::Pinhole& lens, std::string name) {
+                     const dsp::Pinhole& lens, std::string name, Corners how) {
+  const auto find = how == Corners::kFine ? find_board : find_board_roughly;
   std::future<std::optional<FoundBoard>> beside =
-      std::async(std::launch::async, [&] { return find_board(right, board); });
-  std::optional<FoundBoard> by_left = find_board(left, board);
+      std::async(std::launch::async, [&] { return find(right, board); });
+  std::optional<FoundBoard> by_left = find(left, board);
   std::optional<FoundBoard> by_right = beside.get();
   PairView corners{.name = std::move(name), .left = {}, .right = {}};
   if (by_left) {

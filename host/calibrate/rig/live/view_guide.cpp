@@ -58,9 +58,9 @@ std::optional<double> corner_motion(const PairView& before, const PairView& now)
   return left && right ? std::optional(std::max(*left, *right)) : (left ? left : right);
 }
 
-ViewJudgement ViewGuide::judge(const Sighting& seen) {
+ViewJudgement ViewGuide::judge(const Sighting& rough, const std::function<Sighting()>& look) {
   ViewJudgement judgement;
-  const PairView& now = seen.corners;
+  const PairView& now = rough.corners;
   if (now.left.empty() && now.right.empty()) {
     before_.reset();
     return judgement;
@@ -69,18 +69,20 @@ ViewJudgement ViewGuide::judge(const Sighting& seen) {
       before_ ? corner_motion(*before_, now) : std::optional<double>();
   before_ = now;
   judgement.motion_px = motion.value_or(judgement.motion_px);
-  judgement.blur_px = blur_of(seen);
   if (!(judgement.motion_px <= options_.most_motion_px)) {
     judgement.verdict = ViewVerdict::kMoving;
-  } else if (!(judgement.blur_px <= options_.most_blur_px)) {
-    judgement.verdict = ViewVerdict::kBlurred;
   } else if (known(now)) {
     judgement.verdict = ViewVerdict::kKnown;
   } else if (!serves(now)) {
     judgement.verdict = ViewVerdict::kNeedless;
   } else {
-    judgement.verdict = ViewVerdict::kTaken;
-    add(seen);
+    const Sighting seen = look();
+    judgement.blur_px = blur_of(seen);
+    judgement.verdict =
+        judgement.blur_px <= options_.most_blur_px ? ViewVerdict::kTaken : ViewVerdict::kBlurred;
+    if (judgement.verdict == ViewVerdict::kTaken) {
+      add(seen);
+    }
   }
   return judgement;
 }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -41,7 +42,8 @@ enum class ViewVerdict : std::uint8_t {
 struct ViewJudgement {
   ViewVerdict verdict = ViewVerdict::kNoBoard;
   double motion_px = std::numeric_limits<double>::quiet_NaN();  // NaN: there is nothing to compare
-  double blur_px = 0;                                           // of the more blurred eye
+  double blur_px = std::numeric_limits<double>::quiet_NaN();    // of the more blurred eye; NaN: not
+                                                                // looked at, or no contrast
 };
 
 struct ViewGuideOptions {
@@ -67,8 +69,10 @@ class ViewGuide {
  public:
   explicit ViewGuide(const ViewGuideOptions& options) : options_(options) {}
 
-  // The next exposure. Where it is kTaken, it is the last of views().
-  ViewJudgement judge(const Sighting& seen);
+  // The next exposure, seen roughly: without blur, corners to a tenth of a pixel. `look` sees it as
+  // well as can be, and is asked where a view would be taken. Where it is kTaken, it is the last of
+  // views().
+  ViewJudgement judge(const Sighting& rough, const std::function<Sighting()>& look);
   // A view that was taken before, as by an earlier run.
   void add(const Sighting& view);
 

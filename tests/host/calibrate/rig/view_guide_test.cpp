@@ -34,10 +34,13 @@ class Guided : public ::testing::Test {
     return seen;
   }
   Sighting facing(double x = 0.05) { return at({x, 0, 0.6}, {0, 0, 0}); }
+  ViewJudgement judge(const Sighting& seen) {
+    return guide_.judge(seen, [&seen] { return seen; });
+  }
   // Held there for two exposures.
   ViewVerdict hold(const Vector3& middle, const Vector3& turn) {
-    guide_.judge(at(middle, turn));
-    return guide_.judge(at(middle, turn)).verdict;
+    judge(at(middle, turn));
+    return judge(at(middle, turn)).verdict;
   }
   const ViewWant& want(const std::string& name) {
     wants_ = guide_.wants();
@@ -54,8 +57,8 @@ class Guided : public ::testing::Test {
 };
 
 TEST_F(Guided, AViewIsTakenWhenTheBoardHoldsStill) {
-  EXPECT_EQ(guide_.judge(facing()).verdict, ViewVerdict::kMoving);
-  const ViewJudgement still = guide_.judge(facing());
+  EXPECT_EQ(judge(facing()).verdict, ViewVerdict::kMoving);
+  const ViewJudgement still = judge(facing());
   EXPECT_EQ(still.verdict, ViewVerdict::kTaken);
   EXPECT_LT(still.motion_px, 0.1);
   EXPECT_EQ(guide_.views().size(), 1U);
@@ -63,13 +66,13 @@ TEST_F(Guided, AViewIsTakenWhenTheBoardHoldsStill) {
 
 TEST_F(Guided, WhatMovesByMoreThanTheBoundIsNot) {
   // 600 px of focal length, 0.6 m away: 1 mm is 1 px.
-  guide_.judge(facing(0.050));
-  const ViewJudgement moving = guide_.judge(facing(0.0513));
+  judge(facing(0.050));
+  const ViewJudgement moving = judge(facing(0.0513));
   EXPECT_EQ(moving.verdict, ViewVerdict::kMoving);
   EXPECT_NEAR(moving.motion_px, 1.3, 0.15);
   EXPECT_NE(verdict_text(moving, options_).find("hold still: corners move by 1."),
             std::string::npos);
-  EXPECT_EQ(guide_.judge(facing(0.0520)).verdict, ViewVerdict::kTaken);
+  EXPECT_EQ(judge(facing(0.0520)).verdict, ViewVerdict::kTaken);
 }
 
 TEST_F(Guided, MotionCountsInTheEyeWhereItIsLarger) {
@@ -87,22 +90,42 @@ TEST_F(Guided, MotionCountsInTheEyeWhereItIsLarger) {
 }
 
 TEST_F(Guided, AnExposureWithoutABoardBeginsAnew) {
-  guide_.judge(facing());
-  EXPECT_EQ(guide_.judge(Sighting{}).verdict, ViewVerdict::kNoBoard);
-  EXPECT_EQ(guide_.judge(facing()).verdict, ViewVerdict::kMoving);
+  judge(facing());
+  EXPECT_EQ(judge(Sighting{}).verdict, ViewVerdict::kNoBoard);
+  EXPECT_EQ(judge(facing()).verdict, ViewVerdict::kMoving);
 }
 
 TEST_F(Guided, BlurredViewsAreRefused) {
-  guide_.judge(facing());
+  judge(facing());
   Sighting blurred = facing();
   blurred.right_blur_px = 1.6;
-  const ViewJudgement judgement = guide_.judge(blurred);
+  const ViewJudgement judgement = judge(blurred);
   EXPECT_EQ(judgement.verdict, ViewVerdict::kBlurred);
   EXPECT_NE(verdict_text(judgement, options_).find("by 1.6 px, 1.5 are allowed"),
             std::string::npos);
   blurred.right_blur_px = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(guide_.judge(blurred).verdict, ViewVerdict::kBlurred);
-  EXPECT_EQ(guide_.judge(facing()).verdict, ViewVerdict::kTaken);
+  EXPECT_EQ(judge(blurred).verdict, ViewVerdict::kBlurred);
+  EXPECT_EQ(judge(facing()).verdict, ViewVerdict::kTaken);
+}
+
+TEST_F(Guided, ItLooksCloselyOnlyWhereAViewWouldBeTaken) {
+  int looks = 0;
+  const auto judge_counted = [&](const Sighting& rough) {
+    return guide_.judge(rough, [&] {
+      ++looks;
+      Sighting fine = rough;
+      fine.corners.name = "fine";
+      return fine;
+    });
+  };
+  judge_counted(facing(0.05));  // nothing before it
+  judge_counted(facing(0.07));  // moved
+  EXPECT_EQ(looks, 0);
+  EXPECT_EQ(judge_counted(facing(0.07)).verdict, ViewVerdict::kTaken);
+  EXPECT_EQ(looks, 1);
+  EXPECT_EQ(guide_.views().back().name, "fine");
+  judge_counted(facing(0.07));  // known
+  EXPECT_EQ(looks, 1);
 }
 
 TEST_F(Guided, APlaceCountsOnce) {
@@ -180,7 +203,7 @@ TEST_F(Guided, AWaveCompletesItAndItSaysSoOnTheWay) {
       Sighting seen = sighting_of(test::view_of(rig_, kGuided, pose, 0.05, random), kGuided,
                                   assumed_lens(640, 480));
       seen.left_blur_px = seen.right_blur_px = 0.8;
-      guide_.judge(seen);
+      judge(seen);
     }
     const std::vector<ViewWant> wants = guide_.wants();
     const auto left = static_cast<std::size_t>(std::ranges::count_if(wants, &ViewWant::missing));
