@@ -90,7 +90,9 @@ struct RawFeed::Parts {
                        (packets == 0 ? ": no packet came" : ": the sensor fell silent") +
                        silence_text(receiver, options.device));
       }
-      if (now - seen > 2 * patience) {
+      // Who is denied them is so for good; another one's end some time.
+      if (now - seen > 2 * patience ||
+          receiver.raw_refusal() == wire::SubscribeResult::kRawDenied) {
         return give_up(place_of(options, receiver) + ": no raw pictures came" +
                        raw_absence(receiver.raw_refusal()));
       }
