@@ -55,7 +55,10 @@ double blur_of(const Sighting& seen) {
 std::optional<double> corner_motion(const PairView& before, const PairView& now) {
   const std::optional<double> left = apart(before.left, now.left);
   const std::optional<double> right = apart(before.right, now.right);
-  return left && right ? std::optional(std::max(*left, *right)) : (left ? left : right);
+  if (left && right) {
+    return std::max(*left, *right);
+  }
+  return left ? left : right;
 }
 
 ViewJudgement ViewGuide::judge(const Sighting& rough, const std::function<Sighting()>& look) {
