@@ -88,8 +88,7 @@ ExtrinsicFit by_boards(const CalibFolderOptions& options, const dsp::Calibration
 
 }  // namespace
 
-void calib_extrinsics(const CalibFolderOptions& given) {
-  CalibFolderOptions options = given;
+void calib_extrinsics(const CalibFolderOptions& options) {
   refuse_two_sources("calib extrinsics", options);
   StoredCalibration stored = rig_of(options.calibration);
   dsp::Calibration& rig = stored.calibration;
@@ -98,24 +97,22 @@ void calib_extrinsics(const CalibFolderOptions& given) {
                   options.calibration.string() +
                       ": holds no PMD camera: calibrate it first (stof calib pmd)");
   }
+  CalibFolderOptions from = options;
   if (options.live.on()) {
-    options.folder = calib_live_walls(options, rig);
+    from.folder = calib_live_walls(options, rig);
   }
-  const ExtrinsicFit fit = options.board.empty() ? by_walls(options, rig) : by_boards(options, rig);
+  const ExtrinsicFit fit = options.board.empty() ? by_walls(from, rig) : by_boards(from, rig);
   rig.pmd_to_stereo = transform_of(fit.pmd_to_stereo);
   value_or_fail(write_calibration(options.out, rig));
   std::printf("%s\n", options.out.c_str());
 }
 
-void calib_check(const CalibFolderOptions& given) {
-  CalibFolderOptions options = given;
+void calib_check(const CalibFolderOptions& options) {
   refuse_two_sources("calib check", options);
   const StoredCalibration stored = rig_of(options.calibration);
-  if (options.live.on()) {
-    options.folder = calib_live_pictures(options, stored.calibration);
-  }
-  const RigCheck check =
-      value_or_fail(check_rig(options.folder, stored.calibration, search_of(options)));
+  const std::filesystem::path folder =
+      options.live.on() ? calib_live_pictures(options, stored.calibration) : options.folder;
+  const RigCheck check = value_or_fail(check_rig(folder, stored.calibration, search_of(options)));
   std::printf("%s", check_text(check).c_str());
   const std::vector<std::string> lines = advice(check);
   if (!lines.empty()) {

@@ -17,9 +17,9 @@ constexpr int kUntold = 20;  // exposures that a lens is waited for
 
 class LiveStereo {
  public:
-  LiveStereo(const CalibStereoOptions& options, TargetOptions target)
+  LiveStereo(const CalibStereoOptions& options, const TargetOptions& target)
       : options_(options),
-        target_(std::move(target)),
+        target_(target),
         kept_(live_folder(options.live, options.out, ".views"), "view") {}
 
   // Until all views are there, with the calibration that they make.

@@ -1,7 +1,9 @@
 #include <cmath>
 #include <utility>
 
+#include "dataset/files/file.h"
 #include "host/calibrate/rig/extrinsics/pmd_board_views.h"
+#include "host/calibrate/rig/extrinsics/wall_pairs.h"
 #include "host/calibrate/rig/live/picture_motion.h"
 #include "host/cli/failure.h"
 #include "host/cli/rig/live_views.h"
