@@ -76,11 +76,7 @@ void tell_port(const ReceiveOptions& options, const client::Receiver& receiver) 
   }
 }
 
-void add_receive_flags(CLI::App& command, ReceiveOptions& options) {
-  command.add_option("--port", options.port, "UDP port to listen at, 0: any free one")
-      ->capture_default_str();
-  command.add_option("--bind", options.bind, "Address of the interface to listen at")
-      ->capture_default_str();
+void add_subscription_flags(CLI::App& command, ReceiveOptions& options) {
   command
       .add_option("--timeout", options.timeout_s, "Give up after so many seconds without a packet")
       ->check(CLI::PositiveNumber)
@@ -94,6 +90,14 @@ void add_receive_flags(CLI::App& command, ReceiveOptions& options) {
                      "Number of the sensor (stofd --device): only it is believed");
   command.add_option("--key", options.key,
                      "8 digits, of your key of the sensor, of --signed: only it is believed");
+}
+
+void add_receive_flags(CLI::App& command, ReceiveOptions& options) {
+  command.add_option("--port", options.port, "UDP port to listen at, 0: any free one")
+      ->capture_default_str();
+  command.add_option("--bind", options.bind, "Address of the interface to listen at")
+      ->capture_default_str();
+  add_subscription_flags(command, options);
   command.add_option("--port-file", options.port_file,
                      "File that gets the number of the opened port");
 }

@@ -24,6 +24,8 @@ struct ReceiveOptions {
   std::string key;  // id of the one that alone counts, of signed streams; empty: of those there are
 };
 
+// How long to wait, and with which key: of commands that always subscribe.
+void add_subscription_flags(CLI::App& command, ReceiveOptions& options);
 // All of them but the sensor.
 void add_receive_flags(CLI::App& command, ReceiveOptions& options);
 // Throws Failure where they contradict each other.

@@ -4,7 +4,7 @@
 #include "host/calibrate/rig/extrinsics/pmd_board_views.h"
 #include "host/calibrate/rig/report/rig_report.h"
 #include "host/cli/failure.h"
-#include "host/cli/rig/calib_rig.h"
+#include "host/cli/rig/live_views.h"
 
 namespace stof::host {
 namespace {
@@ -29,6 +29,13 @@ StoredCalibration rig_of(const std::filesystem::path& file) {
 void print(const char* what, const std::vector<std::string>& lines) {
   for (const std::string& line : lines) {
     std::printf("%s: %s\n", what, line.c_str());
+  }
+}
+
+void refuse_two_sources(const char* command, const CalibFolderOptions& options) {
+  if (options.folder.empty() != options.live.on()) {
+    throw Failure(Exit::kBadInput,
+                  std::string(command) + ": from what: give a folder, or --live SENSOR, not both");
   }
 }
 
@@ -82,6 +89,7 @@ ExtrinsicFit by_boards(const CalibFolderOptions& options, const dsp::Calibration
 }  // namespace
 
 void calib_extrinsics(const CalibFolderOptions& options) {
+  refuse_two_sources("calib extrinsics", options);
   StoredCalibration stored = rig_of(options.calibration);
   dsp::Calibration& rig = stored.calibration;
   if (rig.pmd.lens.width == 0) {
@@ -89,16 +97,22 @@ void calib_extrinsics(const CalibFolderOptions& options) {
                   options.calibration.string() +
                       ": holds no PMD camera: calibrate it first (stof calib pmd)");
   }
-  const ExtrinsicFit fit = options.board.empty() ? by_walls(options, rig) : by_boards(options, rig);
+  CalibFolderOptions from = options;
+  if (options.live.on()) {
+    from.folder = calib_live_walls(options, rig);
+  }
+  const ExtrinsicFit fit = options.board.empty() ? by_walls(from, rig) : by_boards(from, rig);
   rig.pmd_to_stereo = transform_of(fit.pmd_to_stereo);
   value_or_fail(write_calibration(options.out, rig));
   std::printf("%s\n", options.out.c_str());
 }
 
 void calib_check(const CalibFolderOptions& options) {
+  refuse_two_sources("calib check", options);
   const StoredCalibration stored = rig_of(options.calibration);
-  const RigCheck check =
-      value_or_fail(check_rig(options.folder, stored.calibration, search_of(options)));
+  const std::filesystem::path folder =
+      options.live.on() ? calib_live_pictures(options, stored.calibration) : options.folder;
+  const RigCheck check = value_or_fail(check_rig(folder, stored.calibration, search_of(options)));
   std::printf("%s", check_text(check).c_str());
   const std::vector<std::string> lines = advice(check);
   if (!lines.empty()) {

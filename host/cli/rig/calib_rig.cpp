@@ -41,6 +41,41 @@ void add_board(CLI::App& command, std::string& board) {
       ->capture_default_str();
 }
 
+// --live and its own. `shows`: what the sensor is to show.
+void add_live(CLI::App& command, CalibLiveOptions& live, const char* shows, bool holds_still) {
+  CLI::Option* const sensor = command.add_option(
+      "--live", live.sensor, std::string("HOST[:PORT] of a sensor that shows ") + shows);
+  command
+      .add_option("--keep", live.keep,
+                  "--live: folder for the views, read on by a run after this one; default: beside "
+                  "the calibration file")
+      ->needs(sensor);
+  command.add_option("--views", live.views, "--live: how many views are wanted at least")
+      ->needs(sensor)
+      ->check(CLI::Range(1, 60))
+      ->capture_default_str();
+  command
+      .add_option("--time-limit", live.time_limit_s,
+                  "--live: seconds, after which it ends with what it has")
+      ->needs(sensor)
+      ->check(CLI::Range(1.0, 86'400.0))
+      ->capture_default_str();
+  command
+      .add_option("--raw-every", live.every, "--live: one exposure of so many frames is looked at")
+      ->needs(sensor)
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  if (holds_still) {
+    command
+        .add_option("--max-motion", live.most_motion_px,
+                    "--live: px between successive exposures; what moves by more is not taken")
+        ->needs(sensor)
+        ->check(CLI::Range(0.05, 20.0))
+        ->capture_default_str();
+  }
+  add_subscription_flags(command, live);
+}
+
 void add_planes_flags(CLI::App& command, CalibStereoOptions& options) {
   command
       .add_option("--baseline", options.baseline,
@@ -79,6 +114,7 @@ void add_stereo(CLI::App& calib, CalibStereoOptions& options) {
       "--planes", options.planes,
       "Folder with a folder for each wall: left.pgm, right.pgm, meta.txt (plane_z_m)");
   target->excludes(planes);
+  add_live(command, options.live, "a board that is waved", true);
   add_out(command, options.out);
   add_start(command, options.start);
   command
@@ -89,10 +125,11 @@ void add_stereo(CLI::App& calib, CalibStereoOptions& options) {
   add_board(command, options.board);
   command
       .add_option("--max-blur", options.most_blur_px,
-                  "--target: views whose edges are smoothed by more px do not count")
+                  "--target, --live: views whose edges are smoothed by more px do not count")
       ->check(CLI::Range(0.1, 20.0))
       ->capture_default_str();
-  command.add_option("--html", options.page, "--target: a page with the residuals of each view");
+  command.add_option("--html", options.page,
+                     "--target, --live: a page with the residuals of each view");
   add_planes_flags(command, options);
   command.callback([&options] { calib_stereo(options); });
 }
@@ -101,11 +138,16 @@ void add_extrinsics(CLI::App& calib, CalibFolderOptions& options) {
   CLI::App& command = *calib.add_subcommand(
       "extrinsics",
       "Where the PMD camera is, from walls at several tilts that both see, or a board");
+  command.add_option("DIR", options.folder,
+                     "Folder with a folder for each wall: left.pgm, right.pgm, pmd.json, "
+                     "pmd_raw.pgm");
+  options.live.views = 8;
+  add_live(command, options.live, "walls, or the board, at several tilts", true);
   command
-      .add_option("DIR", options.folder,
-                  "Folder with a folder for each wall: left.pgm, right.pgm, pmd.json, "
-                  "pmd_raw.pgm")
-      ->required();
+      .add_option("--pmd-frames", options.live.pmd_frames,
+                  "--live: exposures of the PMD camera for each view")
+      ->check(CLI::Range(1, 200))
+      ->capture_default_str();
   command.add_option("--calibration", options.calibration, "The rig's file so far")->required();
   add_out(command, options.out);
   command.add_option("--board", options.board,
@@ -123,11 +165,11 @@ void add_extrinsics(CLI::App& calib, CalibFolderOptions& options) {
 void add_check(CLI::App& calib, CalibFolderOptions& options) {
   CLI::App& command = *calib.add_subcommand(
       "check", "Whether a calibration still fits its rig; ends with 1 where it does not");
-  command
-      .add_option("DIR", options.folder,
-                  "Folder with a folder for each exposure: left.pgm, right.pgm; may have "
-                  "pmd.json, pmd_raw.pgm")
-      ->required();
+  command.add_option("DIR", options.folder,
+                     "Folder with a folder for each exposure: left.pgm, right.pgm; may have "
+                     "pmd.json, pmd_raw.pgm");
+  options.live.views = 5;
+  add_live(command, options.live, "anything with texture, from 1 to 4 m", false);
   command.add_option("--calibration", options.calibration, "The file to judge")->required();
   add_search(command, options.min_disparity, options.disparities, options.threads);
   command.callback([&options] { calib_check(options); });

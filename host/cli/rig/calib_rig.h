@@ -6,13 +6,28 @@
 
 #include <CLI/CLI.hpp>
 
+#include "host/cli/receive.h"
+
 // `stof calib stereo`, `extrinsics`, `check`, `import`, `export` and `target`: a component of its
 // own, which needs the packages of `scripts/setup calib`. Built without, the commands say so.
 namespace stof::host {
 
 inline constexpr double kMmPerMetre = 1000;
 
+// Of the forms with --live: `sensor` is the one that shows what a folder would hold.
+struct CalibLiveOptions : ReceiveOptions {
+  std::filesystem::path
+      keep{};  // folder that views are kept in; empty: beside the file that is made
+  double time_limit_s = 900;
+  std::uint16_t every = 4;      // one exposure of so many frames is looked at
+  std::size_t views = 20;       // that are wanted at least
+  double most_motion_px = 1;    // between exposures, of what holds still
+  std::size_t pmd_frames = 16;  // of the PMD camera for each view
+  bool on() const { return !sensor.empty(); }
+};
+
 struct CalibStereoOptions {
+  CalibLiveOptions live{};
   std::filesystem::path target{};  // folder; this or planes
   std::filesystem::path planes{};
   std::filesystem::path out{};
@@ -36,6 +51,7 @@ struct CalibStereoOptions {
 };
 
 struct CalibFolderOptions {  // extrinsics, check
+  CalibLiveOptions live{};
   std::filesystem::path folder{};
   std::filesystem::path calibration{};
   std::filesystem::path out{};

@@ -3,7 +3,7 @@
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/rig/report/rig_report.h"
 #include "host/cli/failure.h"
-#include "host/cli/rig/calib_rig.h"
+#include "host/cli/rig/live_views.h"
 
 namespace stof::host {
 namespace {
@@ -18,32 +18,43 @@ dsp::Calibration start_of(const CalibStereoOptions& options, StoredCalibration& 
   return stored.calibration;
 }
 
-void by_target(const CalibStereoOptions& options) {
+TargetOptions target_options(const CalibStereoOptions& options) {
   TargetOptions target{.board = value_or_fail(board_named(options.board))};
   target.most_blur_px = options.most_blur_px;
   if (options.hold_out >= 0) {
     target.hold_out = options.hold_out;
   }
-  StoredCalibration stored;
-  const dsp::Calibration start = start_of(options, stored);
+  return target;
+}
+
+TargetCalibration of_folder(const CalibStereoOptions& options, const TargetOptions& target) {
   TargetViews views = value_or_fail(find_views(options.target, target));
   const std::vector<RefusedView> refused = views.refused;
-  const dataset::Loaded<TargetCalibration> found = calibrate_target(std::move(views), target);
+  dataset::Loaded<TargetCalibration> found = calibrate_target(std::move(views), target);
   if (!found) {
     for (const RefusedView& view : refused) {
       std::printf("left out: %s: %s\n", view.name.c_str(), view.why.c_str());
     }
     throw Failure(Exit::kBadInput, options.target.string() + ": " + found.error().message);
   }
-  std::printf("%s", target_text(*found).c_str());
+  return std::move(*found);
+}
+
+void by_target(const CalibStereoOptions& options) {
+  const TargetOptions target = target_options(options);
+  StoredCalibration stored;
+  const dsp::Calibration start = start_of(options, stored);
+  const TargetCalibration found =
+      options.live.on() ? calib_live_stereo(options, target) : of_folder(options, target);
+  std::printf("%s", target_text(found).c_str());
   if (!options.page.empty()) {
-    value_or_fail(write_target_page(*found, options.page));
+    value_or_fail(write_target_page(found, options.page));
   }
-  if (!found->missing.empty() && !options.force) {
-    throw Failure(Exit::kBadInput, options.target.string() + ": " + found->missing.front() +
+  if (!found.missing.empty() && !options.force) {
+    throw Failure(Exit::kBadInput, options.target.string() + ": " + found.missing.front() +
                                        ": add such views, no file is written; or give --force");
   }
-  value_or_fail(write_calibration(options.out, with_pair(start, found->fit.rig)));
+  value_or_fail(write_calibration(options.out, with_pair(start, found.fit.rig)));
   std::printf("%s\n", options.out.c_str());
 }
 
@@ -99,10 +110,14 @@ void by_planes(const CalibStereoOptions& options) {
 }  // namespace
 
 void calib_stereo(const CalibStereoOptions& options) {
-  if (options.target.empty() && options.planes.empty()) {
-    throw Failure(Exit::kBadInput, "calib stereo: from what: give --target DIR or --planes DIR");
+  const int sources = (options.target.empty() ? 0 : 1) + (options.planes.empty() ? 0 : 1) +
+                      (options.live.on() ? 1 : 0);
+  if (sources != 1) {
+    throw Failure(Exit::kBadInput,
+                  "calib stereo: from what: give one of --target DIR, --live SENSOR and --planes "
+                  "DIR");
   }
-  options.target.empty() ? by_planes(options) : by_target(options);
+  options.planes.empty() ? by_target(options) : by_planes(options);
 }
 
 }  // namespace stof::host

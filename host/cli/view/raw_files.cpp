@@ -25,6 +25,17 @@ std::string seconds_text(std::int64_t ns) {
   return text.data();
 }
 
+// What became of a picture; nothing of one that was not sent.
+std::string part_text(const client::RawExposure& exposure, std::uint8_t bit, const char* name,
+                      const std::string& size) {
+  if ((exposure.info.pictures & bit) == 0) {
+    return "";
+  }
+  return std::string(", ") + name + " " + ((exposure.missing & bit) != 0 ? "missing" : size);
+}
+
+}  // namespace
+
 dataset::Image<std::uint8_t> copy_of(const dsp::ImageView<const std::uint8_t>& picture) {
   dataset::Image<std::uint8_t> image(picture.width(), picture.height());
   for (int y = 0; y < image.height; ++y) {
@@ -45,17 +56,6 @@ dataset::Image<std::uint16_t> below_each_other(const client::RawExposure& exposu
   }
   return image;
 }
-
-// What became of a picture; nothing of one that was not sent.
-std::string part_text(const client::RawExposure& exposure, std::uint8_t bit, const char* name,
-                      const std::string& size) {
-  if ((exposure.info.pictures & bit) == 0) {
-    return "";
-  }
-  return std::string(", ") + name + " " + ((exposure.missing & bit) != 0 ? "missing" : size);
-}
-
-}  // namespace
 
 void write_raw(const client::RawExposure& exposure, const std::filesystem::path& folder) {
   std::error_code error;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "dataset/image.h"
 #include "firmware/wire/messages/enums.h"
 #include "host/client/raw/raw_exposure.h"
 
@@ -12,6 +13,11 @@ namespace stof::host {
 // exposure's id: raw_0000000042_left.pgm and _right.pgm (8 bit), _pmd.pgm (16 bit, A0 to A3 below
 // each other). Throws Failure.
 void write_raw(const client::RawExposure& exposure, const std::filesystem::path& folder);
+
+// A picture that is kept for longer than the exposure.
+dataset::Image<std::uint8_t> copy_of(const dsp::ImageView<const std::uint8_t>& picture);
+// The samples A0 to A3, which must be there.
+dataset::Image<std::uint16_t> below_each_other(const client::RawExposure& exposure);
 
 // "raw exposure 42 of frame 41: left 640x480, ...; edge 12.345678901 s, sequences 40 40 39".
 std::string raw_exposure_line(const client::RawExposure& exposure);

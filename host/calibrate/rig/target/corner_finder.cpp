@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dsp/base/index.h"
+#include "host/calibrate/rig/target/corner_filler.h"
 #include "host/calibrate/rig/target/corner_refiner.h"
 #include "host/calibrate/rig/target/marker_finder.h"
 
@@ -185,8 +186,8 @@ void refine(const cv::Mat& picture, Grid& grid) {
 
 }  // namespace
 
-std::optional<FoundBoard> find_board(const dataset::Image<std::uint8_t>& picture,
-                                     const Board& board) {
+std::optional<FoundBoard> find_board_roughly(const dataset::Image<std::uint8_t>& picture,
+                                             const Board& board) {
   if (board.has_markers()) {
     return find_marked_board(picture, board);
   }
@@ -200,12 +201,23 @@ std::optional<FoundBoard> find_board(const dataset::Image<std::uint8_t>& picture
   if (!first_is_black(grey, grid)) {
     std::ranges::reverse(grid.corners);
   }
-  FoundBoard found;
+  FoundBoard found{.corners = {}, .blur_px = kNothing};
   for (const cv::Point2f& corner : grid.corners) {
     found.corners.push_back({static_cast<double>(corner.x), static_cast<double>(corner.y)});
   }
-  refine_corners(picture, board, found.corners);
-  found.blur_px = edge_blur(picture, board, found.corners);
+  return found;
+}
+
+std::optional<FoundBoard> find_board(const dataset::Image<std::uint8_t>& picture,
+                                     const Board& board) {
+  std::optional<FoundBoard> found = find_board_roughly(picture, board);
+  if (found) {
+    refine_corners(picture, board, found->corners);
+    if (board.has_markers()) {
+      fill_corners(picture, board, found->corners);
+    }
+    found->blur_px = edge_blur(picture, board, found->corners);
+  }
   return found;
 }
 

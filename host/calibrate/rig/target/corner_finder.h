@@ -37,6 +37,10 @@ struct FoundBoard {
 // how much the corners of a smeared picture are worth.
 std::optional<FoundBoard> find_board(const dataset::Image<std::uint8_t>& picture,
                                      const Board& board);
+// The same in a fifth of the time, to a tenth of a pixel, without blur_px (NaN): for pictures of
+// which most are left out.
+std::optional<FoundBoard> find_board_roughly(const dataset::Image<std::uint8_t>& picture,
+                                             const Board& board);
 
 // FoundBoard::blur_px; NaN where no edge has any contrast.
 double edge_blur(const dataset::Image<std::uint8_t>& picture, const Board& board,

@@ -8,8 +8,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dsp/base/index.h"
-#include "host/calibrate/rig/target/corner_filler.h"
-#include "host/calibrate/rig/target/corner_refiner.h"
 
 namespace stof::host {
 namespace {
@@ -293,15 +291,12 @@ std::optional<FoundBoard> find_marked_board(const dataset::Image<std::uint8_t>& 
   const cv::Mat grey(picture.height, picture.width, CV_8UC1,
                      const_cast<std::uint8_t*>(picture.pixels.data()));
   const std::vector<Guess> guesses = guesses_of(board, seen_markers(grey, board));
-  FoundBoard found;
+  FoundBoard found{.corners = {}, .blur_px = std::numeric_limits<double>::quiet_NaN()};
   found.corners.assign(index(board.corners()), kUnseen);
   refine(grey, board, guesses, found.corners);
   if (!enough(board, found.corners)) {
     return std::nullopt;
   }
-  refine_corners(picture, board, found.corners);
-  fill_corners(picture, board, found.corners);
-  found.blur_px = edge_blur(picture, board, found.corners);
   return found;
 }
 

@@ -17,8 +17,8 @@ struct MarkerCells {
 };
 MarkerCells cells_of(const Board& board, int id);
 
-// As find_board(), of a board with markers: those of its corners that are seen. None where they are
-// fewer than kFewestSeen, or lie in one row or column.
+// As find_board_roughly(), of a board with markers: those of its corners that are seen. None where
+// they are fewer than kFewestSeen, or lie in one row or column.
 std::optional<FoundBoard> find_marked_board(const dataset::Image<std::uint8_t>& picture,
                                             const Board& board);
 

@@ -1,0 +1,163 @@
+#include "host/cli/live/raw_feed.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "firmware/wire/frame/raw_packets.h"
+#include "host/cli/failure.h"
+#include "host/cli/view/raw_files.h"
+
+namespace stof::host {
+namespace {
+
+using Clock = client::Time::clock;
+
+wire::RawRequest request_of(const RawFeedOptions& what) {
+  wire::RawRequest raw;
+  raw.pictures = static_cast<std::uint8_t>(wire::kRawLeft | wire::kRawRight | wire::kRawWhole |
+                                           (what.pmd ? wire::kRawPmd : 0));
+  raw.every = what.every;
+  return raw;
+}
+
+std::int64_t middle_ns(const wire::Window& first, const wire::Window& last) {
+  return (first.begin_ns + last.end_ns) / 2;
+}
+
+RawShot shot_of(const client::RawExposure& exposure) {
+  RawShot shot{.exposure = exposure.stamp.freshness,
+               .left = copy_of(exposure.left),
+               .right = copy_of(exposure.right),
+               .pmd = {}};
+  if (!exposure.pmd.front().empty()) {
+    constexpr std::int64_t kNsPerUs = 1000;
+    const wire::RawInfo& info = exposure.info;
+    shot.pmd = below_each_other(exposure);
+    shot.pmd_after_pair_us = static_cast<std::int32_t>(
+        (middle_ns(info.pmd_exposures.front(), info.pmd_exposures.back()) -
+         middle_ns(info.pair_exposures.front(), info.pair_exposures.front())) /
+        kNsPerUs);
+  }
+  return shot;
+}
+
+// Of pictures of this size; none where the sensor tells none.
+std::optional<dsp::Pinhole> lens_of(const wire::CalibrationPacket& told, int width, int height) {
+  if (told.image_width == 0 || told.fx <= 0 || told.fy <= 0) {
+    return std::nullopt;
+  }
+  const double px = static_cast<double>(width) / told.image_width / 65536;
+  return dsp::Pinhole{.width = width,
+                      .height = height,
+                      .fx = px * told.fx,
+                      .fy = px * told.fy,
+                      .cx = px * told.cx,
+                      .cy = px * told.cy};
+}
+
+}  // namespace
+
+struct RawFeed::Parts {
+  Parts(const ReceiveOptions& where, const RawFeedOptions& what)
+      : options(where), receiver(open_receiver(options, request_of(what))) {}
+
+  // Of the thread, until it ends.
+  void run(const std::stop_token& stop) {
+    constexpr std::chrono::milliseconds kLook{50};
+    const std::chrono::duration<double> patience(options.timeout_s);
+    client::Time heard = Clock::now();
+    client::Time seen = heard;
+    std::uint64_t packets = 0;
+    while (!stop.stop_requested()) {
+      const Result<client::Frame> frame = receiver.next(kLook);
+      const bool failed = !frame && frame.error() == Status::kDeviceLost;
+      const client::Time now = Clock::now();
+      const bool seen_now = take_raw();
+      seen = seen_now ? now : seen;
+      // What is not the sensor's does not count: whoever sends it must not keep us waiting.
+      const client::Statistics& statistics = receiver.statistics();
+      const std::uint64_t heard_of =
+          statistics.packets() - statistics.not_signed - statistics.forged;
+      heard = std::exchange(packets, heard_of) != heard_of ? now : heard;
+      if (failed) {
+        return give_up("the socket failed: start again");
+      }
+      if (now - heard > patience) {
+        return give_up(place_of(options, receiver) +
+                       (packets == 0 ? ": no packet came" : ": the sensor fell silent") +
+                       silence_text(receiver, options.device));
+      }
+      // Who is denied them is so for good; another one's end some time.
+      if (now - seen > 2 * patience ||
+          receiver.raw_refusal() == wire::SubscribeResult::kRawDenied) {
+        return give_up(place_of(options, receiver) + ": no raw pictures came" +
+                       raw_absence(receiver.raw_refusal()));
+      }
+    }
+  }
+
+  bool take_raw() {
+    bool any = false;
+    while (const std::optional<client::RawExposure> exposure = receiver.take_raw()) {
+      if (!exposure->complete() || exposure->left.empty()) {
+        continue;
+      }
+      RawShot shot = shot_of(*exposure);
+      const std::lock_guard lock(mutex);
+      newest = std::move(shot);
+      if (receiver.calibration()) {
+        lens = lens_of(*receiver.calibration(), newest->left.width, newest->left.height);
+      }
+      any = true;
+      changed.notify_all();
+    }
+    return any;
+  }
+
+  void give_up(const std::string& line) {
+    const std::lock_guard lock(mutex);
+    failure = line;
+    changed.notify_all();
+  }
+
+  ReceiveOptions options;
+  client::Receiver receiver;  // of the thread alone
+  std::mutex mutex;           // of what follows
+  std::condition_variable changed;
+  std::optional<RawShot> newest;  // that nobody has taken
+  std::optional<dsp::Pinhole> lens;
+  std::string failure;
+  std::jthread thread;
+};
+
+RawFeed::RawFeed(const ReceiveOptions& where, const RawFeedOptions& what)
+    : parts_(std::make_unique<Parts>(where, what)) {
+  Parts& parts = *parts_;
+  parts.thread = std::jthread([&parts](const std::stop_token& stop) { parts.run(stop); });
+}
+
+RawFeed::~RawFeed() = default;
+
+std::optional<RawShot> RawFeed::next(std::chrono::milliseconds patience) {
+  Parts& parts = *parts_;
+  std::unique_lock lock(parts.mutex);
+  parts.changed.wait_for(lock, patience,
+                         [&] { return parts.newest.has_value() || !parts.failure.empty(); });
+  if (parts.newest) {
+    return std::exchange(parts.newest, std::nullopt);
+  }
+  if (!parts.failure.empty()) {
+    throw Failure(Exit::kFailure, parts.failure);
+  }
+  return std::nullopt;
+}
+
+std::optional<dsp::Pinhole> RawFeed::told_lens() const {
+  const std::lock_guard lock(parts_->mutex);
+  return parts_->lens;
+}
+
+}  // namespace stof::host

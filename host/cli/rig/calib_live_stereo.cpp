@@ -1,0 +1,165 @@
+#include <utility>
+
+#include "host/calibrate/rig/live/coverage_picture.h"
+#include "host/calibrate/rig/live/sighting.h"
+#include "host/cli/failure.h"
+#include "host/cli/rig/live_views.h"
+#include "host/cli/stop_signal.h"
+#include "host/text/printed.h"
+
+namespace stof::host {
+namespace {
+
+constexpr std::size_t kToldAtOnce = 2;  // of what is missing
+constexpr std::size_t kMoreViews = 3;   // where the fit finds that some are missing
+constexpr std::size_t kMostViews = 80;
+constexpr int kUntold = 20;  // exposures that a lens is waited for
+
+class LiveStereo {
+ public:
+  LiveStereo(const CalibStereoOptions& options, const TargetOptions& target)
+      : options_(options),
+        target_(target),
+        kept_(live_folder(options.live, options.out, ".views"), "view") {}
+
+  // Until all views are there, with the calibration that they make.
+  TargetCalibration run() {
+    LiveShots shots(options_.live, false);
+    LiveLines::say("subscribing at " + options_.live.sensor + "; views are kept in " +
+                   kept_.folder().string() + ", what they cover in coverage.png there");
+    while (std::optional<RawShot> shot = shots.next(kept_text())) {
+      // Its calibration comes with the first frames.
+      if (!guide_ && !shots.told_lens() && ++untold_ < kUntold) {
+        continue;
+      }
+      if (!guide_) {
+        begin(*shot, shots.told_lens());
+        if (std::optional<TargetCalibration> found = finished()) {
+          return std::move(*found);
+        }
+      }
+      if (shot->left.width != lens_.width || shot->left.height != lens_.height) {
+        throw Failure(Exit::kBadInput, "the sensor's pictures changed their size; " + kept_text());
+      }
+      if (look_at(*shot)) {
+        if (std::optional<TargetCalibration> found = finished()) {
+          return std::move(*found);
+        }
+      }
+    }
+    throw Failure(Exit::kFailure,
+                  shots.why() + ": " + kept_text() +
+                      (guide_ ? "; missing: " + missing_text(guide_->wants(), 1) : ""));
+  }
+
+ private:
+  std::string kept_text() const {
+    const std::size_t count = kept_.count();
+    return count == 0 ? std::string("no view was taken")
+                      : printed(
+                            "views in %s: %zu; run it again to go on, or take them as they "
+                            "are (stof calib stereo --target)",
+                            kept_.folder().c_str(), count);
+  }
+
+  void begin(const RawShot& shot, const std::optional<dsp::Pinhole>& told) {
+    lens_ = told.value_or(assumed_lens(shot.left.width, shot.left.height));
+    guide_.emplace(ViewGuideOptions{.width = shot.left.width,
+                                    .height = shot.left.height,
+                                    .views = options_.live.views,
+                                    .most_motion_px = options_.live.most_motion_px,
+                                    .most_blur_px = options_.most_blur_px});
+    if (!kept_.empty()) {
+      TargetViews before = value_or_fail(find_views(kept_.folder(), target_));
+      if (before.width != shot.left.width || before.height != shot.left.height) {
+        throw Failure(Exit::kBadInput, kept_.folder().string() +
+                                           ": holds views of another size than the sensor's: name "
+                                           "another folder (--keep)");
+      }
+      for (PairView& view : before.views) {
+        guide_->add(sighting_of(std::move(view), target_.board, lens_));
+      }
+      LiveLines::say(printed("views of before: %zu; ", guide_->views().size()) + missing());
+      draw();
+    } else {
+      LiveLines::say(missing());
+    }
+  }
+
+  // Whether a view was taken.
+  bool look_at(const RawShot& shot) {
+    const std::string name = kept_.next_name();
+    const auto look = [&](Corners how) {
+      return sighting_of(shot.left, shot.right, target_.board, lens_, name, how);
+    };
+    const ViewJudgement judgement =
+        guide_->judge(look(Corners::kRough), [&look] { return look(Corners::kFine); });
+    if (judgement.verdict != ViewVerdict::kTaken) {
+      lines_.tell(static_cast<int>(judgement.verdict), verdict_text(judgement, guide_->options()));
+      return false;
+    }
+    kept_.write(name, shot);
+    draw();
+    LiveLines::say(printed("%s: taken (corners moved by %.2f px, edges are %.2f px wide), %zu in "
+                           "all; ",
+                           name.c_str(), judgement.motion_px, judgement.blur_px,
+                           guide_->views().size()) +
+                   missing());
+    return true;
+  }
+
+  std::string missing() const {
+    const std::string text = missing_text(guide_->wants(), kToldAtOnce);
+    return text.empty() ? "all views are there" : "missing: " + text;
+  }
+
+  void draw() const {
+    value_or_fail(write_png(
+        kept_.folder() / "coverage.png",
+        coverage_picture(guide_->views(), guide_->wants(), lens_.width, lens_.height), {}));
+  }
+
+  // The fit judges the views as a whole: what it misses is asked for.
+  std::optional<TargetCalibration> finished() {
+    if (!guide_->complete()) {
+      return std::nullopt;
+    }
+    LiveLines::say("all views are there: calibrating");
+    TargetViews views{
+        .width = lens_.width, .height = lens_.height, .views = guide_->views(), .refused = {}};
+    dataset::Loaded<TargetCalibration> found = calibrate_target(std::move(views), target_);
+    if (found && (found->missing.empty() || options_.force)) {
+      return std::move(*found);
+    }
+    const std::string why = found ? found->missing.front() : found.error().message;
+    if (guide_->views().size() + kMoreViews > kMostViews) {
+      throw Failure(Exit::kBadInput, why + "; " + kept_text());
+    }
+    guide_->want_more(kMoreViews);
+    LiveLines::say("missing: " + why);
+    return std::nullopt;
+  }
+
+  const CalibStereoOptions& options_;
+  TargetOptions target_;
+  KeptViews kept_;
+  LiveLines lines_;
+  std::optional<ViewGuide> guide_;  // from the first exposure on
+  int untold_ = 0;
+  dsp::Pinhole lens_;  // of both eyes, roughly; its size is the pictures'
+};
+
+}  // namespace
+
+std::filesystem::path live_folder(const CalibLiveOptions& live, const std::filesystem::path& out,
+                                  const char* ending) {
+  return live.keep.empty() ? std::filesystem::path(out.string() + ending) : live.keep;
+}
+
+TargetCalibration calib_live_stereo(const CalibStereoOptions& options,
+                                    const TargetOptions& target) {
+  stop_on_signals();
+  return LiveStereo(options, target).run();
+}
+
+}  // namespace stof::host

@@ -1,0 +1,236 @@
+#include <cmath>
+#include <utility>
+
+#include "dataset/files/file.h"
+#include "host/calibrate/rig/extrinsics/pmd_board_views.h"
+#include "host/calibrate/rig/extrinsics/wall_pairs.h"
+#include "host/calibrate/rig/live/picture_motion.h"
+#include "host/cli/failure.h"
+#include "host/cli/rig/live_views.h"
+#include "host/cli/stop_signal.h"
+#include "host/text/printed.h"
+
+namespace stof::host {
+namespace {
+
+constexpr double kMovedOnPx = 8;  // since a view, before the next one is looked for
+
+bool same_size(const dsp::Pinhole& lens, int width, int height) {
+  return lens.width == width && lens.height == height;
+}
+
+// The pictures of this rig, or Failure.
+void check_size(const RawShot& shot, const CalibFolderOptions& options,
+                const dsp::Calibration& rig) {
+  const dsp::Pinhole& pmd = rig.pmd.lens;
+  const int pmd_height = shot.pmd.height / 4;
+  const bool pair = same_size(rig.stereo.left, shot.left.width, shot.left.height);
+  if (!pair || (shot.pmd.width > 0 && !same_size(pmd, shot.pmd.width, pmd_height))) {
+    throw Failure(Exit::kBadInput,
+                  options.calibration.string() + ": is of another rig: the sensor's pictures are " +
+                      dataset::size_text(shot.left.width, shot.left.height) +
+                      (shot.pmd.width > 0 ? " and " + dataset::size_text(shot.pmd.width, pmd_height)
+                                          : std::string()) +
+                      ": give the calibration of this rig");
+  }
+}
+
+// What shows the same for as long as the PMD camera needs.
+struct HeldView {
+  RawShot first;
+  std::vector<dataset::Image<std::uint16_t>> samples;
+};
+
+// From one exposure to the next: whether the picture holds still, and for how long it has.
+class HoldWatch {
+ public:
+  HoldWatch(double most_motion_px, std::size_t frames)
+      : most_motion_px_(most_motion_px), frames_(frames) {}
+
+  // A view, where it was held long enough; none: hint() says what to do.
+  std::optional<HeldView> add(RawShot shot) {
+    if (taken_ && !moved_on(shot.left)) {
+      tell(State::kTaken, "taken: turn it, or the rig, to another tilt");
+      return std::nullopt;
+    }
+    taken_.reset();
+    const std::optional<double> motion =
+        held_ ? picture_motion(before_, shot.left) : std::optional<double>();
+    const bool still = motion && *motion <= most_motion_px_;
+    before_ = shot.left;
+    if (!still) {
+      tell(State::kMoving,
+           motion ? printed("hold still: the picture moves by %.1f px, %.1f are allowed", *motion,
+                            most_motion_px_)
+                  : "hold still: the picture moves, or shows too little");
+      held_.emplace(HeldView{.first = std::move(shot), .samples = {}});
+      held_->samples.push_back(std::move(held_->first.pmd));
+      return std::nullopt;
+    }
+    held_->samples.push_back(std::move(shot.pmd));
+    tell(State::kStill, "still: hold on");
+    if (held_->samples.size() < frames_) {
+      return std::nullopt;
+    }
+    taken_ = held_->first.left;
+    return std::exchange(held_, std::nullopt);
+  }
+
+  const std::string& hint() const { return hint_; }
+  // Which of the hints it is.
+  int state() const { return static_cast<int>(state_); }
+
+ private:
+  enum class State : std::uint8_t { kMoving, kStill, kTaken };
+
+  void tell(State state, std::string hint) {
+    state_ = state;
+    hint_ = std::move(hint);
+  }
+
+  bool moved_on(const dataset::Image<std::uint8_t>& now) const {
+    const std::optional<double> motion = picture_motion(*taken_, now);
+    return !motion || *motion > kMovedOnPx;
+  }
+
+  double most_motion_px_;
+  std::size_t frames_;
+  std::optional<HeldView> held_;
+  dataset::Image<std::uint8_t> before_;
+  std::optional<dataset::Image<std::uint8_t>> taken_;
+  State state_ = State::kMoving;
+  std::string hint_;
+};
+
+// What the views that were kept come to, of walls or of a board.
+class PlaceViews {
+ public:
+  PlaceViews(const CalibFolderOptions& options, const dsp::Calibration& rig)
+      : options_(options), rig_(rig) {
+    if (!options.board.empty()) {
+      board_ = value_or_fail(board_named(options.board));
+    }
+  }
+
+  // The folder's views, whose names are new; what is wrong with them, or empty.
+  std::string add(const std::filesystem::path& folder) {
+    if (board_) {
+      const PmdBoardViews found = value_or_fail(read_board_views(folder, rig_, *board_));
+      boards_ += found.views.size();
+      return found.refused.empty() ? std::string() : found.refused.front();
+    }
+    FoundWalls found = walls_of(value_or_fail(read_looks(folder, rig_,
+                                                         {.min_disparity = options_.min_disparity,
+                                                          .disparities = options_.disparities,
+                                                          .threads = options_.threads})));
+    for (SeenWall& wall : found.walls) {
+      walls_.push_back(std::move(wall));
+    }
+    return found.refused.empty() ? std::string() : found.refused.front();
+  }
+
+  std::size_t count() const { return board_ ? boards_ : walls_.size(); }
+
+  // Empty: nothing is.
+  std::string missing() const {
+    std::string text;
+    for (const std::string& line : board_ ? std::vector<std::string>() : missing_tilts(walls_)) {
+      if (!line.starts_with("more")) {
+        add_to(text, line, "; ");
+      }
+    }
+    if (count() < options_.live.views) {
+      add_to(text, printed("more: %zu of %zu views", count(), options_.live.views), "; ");
+    }
+    return text;
+  }
+
+ private:
+  const CalibFolderOptions& options_;
+  const dsp::Calibration& rig_;
+  std::optional<Board> board_;
+  std::vector<SeenWall> walls_;
+  std::size_t boards_ = 0;
+};
+
+std::string missing_line(const PlaceViews& views) {
+  const std::string missing = views.missing();
+  return missing.empty() ? "all views are there" : "missing: " + missing;
+}
+
+}  // namespace
+
+std::filesystem::path calib_live_walls(const CalibFolderOptions& options,
+                                       const dsp::Calibration& rig) {
+  stop_on_signals();
+  const bool walls = options.board.empty();
+  const KeptViews kept(live_folder(options.live, options.out, walls ? ".walls" : ".boards"),
+                       walls ? "wall" : "view");
+  PlaceViews views(options, rig);
+  if (!kept.empty()) {
+    views.add(kept.folder());
+  }
+  const auto kept_text = [&] {
+    return views.count() == 0 ? std::string("no view was taken")
+                              : printed("views in %s: %zu; run it again to go on",
+                                        kept.folder().c_str(), views.count());
+  };
+  LiveShots shots(options.live, true);
+  LiveLines lines;
+  LiveLines::say("subscribing at " + options.live.sensor + "; views are kept in " +
+                 kept.folder().string());
+  LiveLines::say(missing_line(views));
+  HoldWatch watch(options.live.most_motion_px, options.live.pmd_frames);
+  while (!views.missing().empty()) {
+    std::optional<RawShot> shot = shots.next(kept_text());
+    if (!shot) {
+      throw Failure(Exit::kFailure, shots.why() + ": " + kept_text() + "; " + missing_line(views));
+    }
+    check_size(*shot, options, rig);
+    const std::optional<HeldView> held = watch.add(std::move(*shot));
+    if (!held) {
+      lines.tell(watch.state(), watch.hint());
+      continue;
+    }
+    const std::filesystem::path staged = kept.stage(kept.next_name(), held->first);
+    write_samples(staged, held->samples, held->first.pmd_after_pair_us, rig.pmd);
+    const std::string wrong = views.add(staged.parent_path());
+    if (wrong.empty()) {
+      kept.keep(staged);
+      LiveLines::say(staged.filename().string() + ": taken; " + missing_line(views));
+    } else {
+      KeptViews::drop(staged);
+      LiveLines::say("left out: " + wrong);
+    }
+  }
+  return kept.folder();
+}
+
+std::filesystem::path calib_live_pictures(const CalibFolderOptions& options,
+                                          const dsp::Calibration& rig) {
+  stop_on_signals();
+  const KeptViews kept(live_folder(options.live, options.calibration, ".check"), "picture");
+  if (!kept.empty()) {
+    throw Failure(Exit::kBadInput, kept.folder().string() +
+                                       ": holds pictures already: judge them (stof calib check " +
+                                       kept.folder().string() +
+                                       "), remove them, or name another folder (--keep)");
+  }
+  const bool pmd = rig.pmd.lens.width > 0;
+  LiveShots shots(options.live, pmd);
+  LiveLines::say("subscribing at " + options.live.sensor);
+  for (std::size_t n = 0; n < options.live.views; ++n) {
+    const std::optional<RawShot> shot = shots.next({});
+    if (!shot) {
+      throw Failure(Exit::kFailure, shots.why() + printed(": %zu pictures came", n));
+    }
+    check_size(*shot, options, rig);
+    const std::filesystem::path folder = kept.write(kept.next_name(), *shot);
+    if (pmd) {
+      write_samples(folder, {shot->pmd}, shot->pmd_after_pair_us, rig.pmd);
+    }
+  }
+  return kept.folder();
+}
+
+}  // namespace stof::host

@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+"""live_calibration_test.py COMMAND...: `stof calib ... --live` (COMMAND: stof) of `stofd`, before which a board is waved. STOFD and
+STOF_EMU_PAIR hold these commands, their words separated by |."""
+
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+COMMAND = []
+STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
+EMU_PAIR = [word for word in os.environ.get("STOF_EMU_PAIR", "").split("|") if word]
+ENOUGH_S = 200
+SIZE = ["--size", "320x240"]
+WAVE = ["--scene", "board:chess,9x6,0.06", "--poses", "wave:4,10", "--hold", "60", "--no-tof"]
+TAKEN = re.compile(r"(view_\d{3}): taken \(corners moved by (\d+\.\d+) px, edges are (\d+\.\d+) px wide\), (\d+) in all; missing: ")
+
+
+class LiveCalibration(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="stof_")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.out = self.folder / "rig.cal"
+        self.views = self.folder / "rig.cal.views"
+
+    def start(self, *flags):
+        """A sensor; where it takes requests."""
+        port = self.folder / "port"
+        sensor = subprocess.Popen([*STOFD, *SIZE, "--period-ms", "100", "--port", "0", "--port-file", port, "--set", "discovery.mdns=false", "--set",
+                                   "discovery.beacon=false", *map(str, flags)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+        def stop():
+            sensor.send_signal(signal.SIGTERM)
+            sensor.wait(ENOUGH_S)
+        self.addCleanup(stop)
+        end = time.monotonic() + ENOUGH_S
+        while not (port.exists() and port.read_text(encoding="utf-8").endswith("\n")):
+            self.assertLess(time.monotonic(), end)
+            self.assertIsNone(sensor.poll())
+            time.sleep(0.02)
+        return "127.0.0.1:" + port.read_text(encoding="utf-8").strip()
+
+    def words(self, sensor, *flags):
+        return [*COMMAND, "calib", "stereo", "--live", sensor, "--board", "9x6:0.06", "--out", self.out, "--raw-every", "1", *map(str, flags)]
+
+    def refuse(self, code, fact, sensor, *flags):
+        ended = subprocess.run(self.words(sensor, *flags), capture_output=True, text=True, timeout=ENOUGH_S, check=False)
+        self.assertEqual(ended.returncode, code, ended.stdout + ended.stderr)
+        self.assertEqual(ended.stderr.count("\n"), 1, ended.stderr)
+        self.assertIn(fact, ended.stderr)
+        self.assertFalse(self.out.exists())
+        return ended.stdout
+
+    def stop_at(self, pattern, sensor, *flags):
+        """Its lines, when it was stopped at one that has the pattern; what it complains."""
+        running = subprocess.Popen(self.words(sensor, *flags, "--timeout", 30), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(running.kill)
+        said = ""
+        while not re.search(pattern, said):
+            line = running.stdout.readline()
+            if not line:
+                self.fail(said + running.stderr.read())
+            said += line
+        running.send_signal(signal.SIGINT)
+        rest, complaint = running.communicate(timeout=ENOUGH_S)
+        self.assertEqual(running.returncode, 1, complaint)
+        self.assertEqual(complaint.count("\n"), 1, complaint)
+        return said + rest, complaint
+
+    def test_views_of_a_waved_board_are_kept_and_a_second_run_goes_on(self):
+        sensor = self.start(*WAVE)
+        said, complaint = self.stop_at(TAKEN, sensor)
+        self.assertIn(f"stopped: views in {self.views}: ", complaint)
+        self.assertIn("; missing: ", complaint)
+        self.assertTrue(said.splitlines()[1].startswith("missing: near:"), said)
+        taken = TAKEN.findall(said)
+        self.assertLess(float(taken[0][1]), 0.2)
+        kept = sorted(path.name for path in self.views.iterdir())
+        self.assertEqual(kept, ["coverage.png", *(name for name, *_ in taken)])
+        for view in taken:
+            for eye in ("left", "right"):
+                self.assertTrue((self.views / view[0] / f"{eye}.pgm").read_bytes().startswith(b"P5\n320 240\n255\n"))
+        self.stop_at(f"views of before: {len(taken)}; missing: ", sensor)
+        self.refuse(1, "the time limit of 1 s is over: views in ", sensor, "--time-limit", 1)
+        # What was kept is a folder of views.
+        ended = subprocess.run([*COMMAND, "calib", "stereo", "--target", self.views, "--board", "9x6:0.06", "--out", self.out], capture_output=True,
+                               text=True, timeout=ENOUGH_S, check=False)
+        self.assertEqual(ended.returncode, 2)
+        self.assertIn("add", ended.stderr)
+        self.assertNotIn("holds no folder", ended.stderr)
+
+    def test_with_the_view_that_was_missing_it_calibrates(self):
+        # 26 views that are enough; the first of them is held before the sensor, the others were kept before.
+        built = ["--scene", "board:chess,9x6,0.06", "--misbuilt", "2,1,3"]
+        subprocess.run([*EMU_PAIR, self.views, *built, "--poses", "wave:26,3", "--pmd", "none", *SIZE], check=True, timeout=ENOUGH_S)
+        for file in (self.views / "pose_000").iterdir():
+            file.unlink()
+        (self.views / "pose_000").rmdir()
+        sensor = self.start(*built, "--poses", "wave:1,3", "--no-tof")
+        ended = subprocess.run(self.words(sensor, "--views", 26, "--timeout", 30, "--time-limit", ENOUGH_S - 20), capture_output=True, text=True,
+                               timeout=ENOUGH_S, check=False)
+        self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+        self.assertIn("views of before: 25; missing: more: the board anywhere, before both cameras (25 of 26)\n", ended.stdout)
+        self.assertRegex(ended.stdout, r"\nview_001: taken \(.*, 26 in all; all views are there\n")
+        truth = json.loads((self.views / "truth.json").read_text(encoding="utf-8"))
+        focal = [float(number) for number in re.search(r"fx +(\S+) \+- \S+ +(\S+)", ended.stdout).groups()]
+        for found, eye in zip(focal, ("left", "right")):
+            self.assertLess(abs(found / truth[eye]["fx"] - 1), 0.003)
+        self.assertTrue(self.out.read_bytes().startswith(b"STOFCAL\0"))
+
+    def test_a_sensor_that_does_not_answer(self):
+        self.refuse(1, ": no packet came: ", "127.0.0.1:9", "--timeout", 0.5)
+
+    def test_a_paired_sensor_gives_pictures_to_a_key_alone(self):
+        keys = self.folder / "user"
+        made = subprocess.run([*COMMAND, "pair", "--into", self.folder / "sensor", "--keys", keys, "--role", "view"], capture_output=True, check=False)
+        self.assertEqual(made.returncode, 0)
+        sensor = self.start("--no-tof", "--keys", self.folder / "sensor")
+        self.refuse(1, "the sensor gives them to --signed alone", sensor, "--timeout", 30)
+        self.refuse(1, "no key of yours is one of this sensor: pair", sensor, "--signed", "--keys", self.folder / "nothing", "--timeout", 1)
+        _, complaint = self.stop_at("no board is seen", sensor, "--signed", "--keys", keys)
+        self.assertIn("stopped: no view was taken; missing: near", complaint)
+
+    def test_a_rig_without_a_pair_has_none(self):
+        sensor = self.start("--fault", "stereo:vanish:0+1000000", "--pmd", "44x36")
+        self.refuse(1, "no raw pictures came: the link is too slow", sensor, "--timeout", 4)
+
+    def test_command_lines_that_mean_nothing(self):
+        self.refuse(2, "give one of --target DIR, --live SENSOR and --planes DIR", "127.0.0.1:9", "--target", self.folder)
+        for command in ("extrinsics", "check"):
+            ended = subprocess.run([*COMMAND, "calib", command, self.folder, "--live", "127.0.0.1:9", "--calibration", self.out,
+                                    *(["--out", self.out] if command == "extrinsics" else [])], capture_output=True, text=True, check=False)
+            self.assertEqual(ended.returncode, 2)
+            self.assertIn("give a folder, or --live SENSOR, not both", ended.stderr)
+
+
+if __name__ == "__main__":
+    COMMAND.extend(sys.argv[1:])
+    unittest.main(argv=[sys.argv[0]], verbosity=2)
