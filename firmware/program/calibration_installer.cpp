@@ -50,7 +50,12 @@ SettingsResult CalibrationInstaller::commit(const Requester& by, PagedWriter& wh
 }
 
 SettingsResult CalibrationInstaller::revert(const Requester& by, PagedWriter& why) noexcept {
-  if (parts_.store == nullptr || parts_.rig.factory.empty()) {
+  if (parts_.store == nullptr) {
+    why << "calibration: this sensor keeps none, so there is none to go back from: start stofd "
+           "with --settings FILE";
+    return SettingsResult::kNotSaved;
+  }
+  if (parts_.rig.factory.empty()) {
     why << "calibration: this sensor has no factory calibration: start stofd with --calibration "
            "FILE and --settings FILE";
     return SettingsResult::kNotSaved;
@@ -85,7 +90,9 @@ SettingsResult CalibrationInstaller::change(std::span<const std::byte> file, boo
     result = SettingsResult::kNotSaved;
   }
   if (result == SettingsResult::kOk && store(file, keep) != Status::kOk) {
-    why << "not changed: its file, SETTINGS.calibration, cannot be written: check the folder";
+    why << "not changed: its file, SETTINGS.calibration, cannot be written: check "
+           "its folder: room, permissions, and that nothing but files has this name, with .new and "
+           ".bad, too";
     result = SettingsResult::kNotSaved;
   }
   if (result != SettingsResult::kOk) {

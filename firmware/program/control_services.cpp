@@ -157,6 +157,7 @@ void ControlServices::tick(hal::Time now) noexcept {
   watch_pairing(now);
   watch_update(now);
   subscribers_.drop_ended_keys(parts_.keys.keys());
+  uploads_.drop_ended_keys(parts_.keys.keys());
   publish_status();
   if (parts_.trial != nullptr) {
     parts_.trial->tick(now, parts_.loop_status.published.load(std::memory_order_relaxed),

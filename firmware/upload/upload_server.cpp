@@ -135,6 +135,13 @@ UploadServer::Result UploadServer::serve(const wire::UploadRequest& request,
   }
 }
 
+void UploadServer::drop_ended_keys(const wire::KeyTable& keys) noexcept {
+  if (upload_.key_id != 0 && keys.find(upload_.key_id) == nullptr) {
+    phase_ = Phase::kNone;
+    wanted_ = 0;
+  }
+}
+
 UploadServer::Result UploadServer::begin(const Identity& upload, PagedWriter& why) noexcept {
   phase_ = Phase::kNone;
   wanted_ = 0;

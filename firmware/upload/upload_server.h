@@ -9,6 +9,7 @@
 #include "firmware/control/settings_service.h"
 #include "firmware/upload/upload_target.h"
 #include "firmware/wire/crypto/crypto.h"
+#include "firmware/wire/keys/key_table.h"
 #include "firmware/wire/messages/download_answer.h"
 #include "firmware/wire/messages/download_request.h"
 #include "firmware/wire/messages/upload_answer.h"
@@ -42,6 +43,9 @@ class UploadServer final : public firmware::SettingsService {
   wire::SettingsAnswer serve(const wire::SettingsRequest& request, std::span<const std::byte> text,
                              const firmware::Requester& by, std::span<std::byte> answer_text,
                              std::size_t& answer_bytes) noexcept override;
+
+  // Nothing goes on of an upload whose key is none of these any more.
+  void drop_ended_keys(const wire::KeyTable& keys) noexcept;
 
  private:
   using Result = wire::SettingsResult;

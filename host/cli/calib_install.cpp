@@ -1,9 +1,11 @@
 #include "host/cli/calib_install.h"
 
+#include <array>
 #include <cstdio>
 #include <filesystem>
 
 #include "dataset/files/file.h"
+#include "firmware/wire/calibration/calibration_file.h"
 #include "host/calibrate/calibration_store.h"
 #include "host/cli/failure.h"
 #include "host/cli/progress_line.h"
@@ -66,6 +68,17 @@ void calib_install(const CalibInstallOptions& options) {
   }
   if (answer->result != wire::SettingsResult::kOk) {
     refuse_upload(*answer, way->place);
+  }
+  const std::uint32_t sent = wire::calibration_fingerprint(std::as_bytes(std::span(bytes)));
+  if (!options.factory && answer->fingerprint != sent) {
+    std::array<char, 80> numbers{};
+    std::snprintf(numbers.data(), numbers.size(),
+                  "says that calibration %08x is in force, and was sent %08x", answer->fingerprint,
+                  sent);
+    throw Failure(
+        Exit::kFailure,
+        way->place + ": " + numbers.data() +
+            ": something else answers in the sensor's place, or it cannot use it (stof view)");
   }
   way->remember();
   std::printf("%s: calibration %08x is in force%s; it was %08x\n", way->who().c_str(),

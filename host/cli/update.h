@@ -15,7 +15,7 @@ struct UpdateOptions : ControlFlags {
   bool revert = false;               // tries the release in the other slot
   bool no_wait = false;              // ends when the sensor restarts
   double wait_s = 240;               // for the restart and what comes of it
-  double patience_s = 20;            // without an answer meanwhile
+  double patience_s = 40;            // without an answer meanwhile
 };
 
 void add_update(CLI::App& app, UpdateOptions& options);

@@ -31,8 +31,8 @@ class UploadClient {
   using Progress = std::function<void(std::size_t bytes, std::size_t total)>;
 
   // client outlives it. patience: without an answer, or with a sensor that is busy, before it gives
-  // up; what came so far is kept by the sensor for half a minute.
-  explicit UploadClient(ControlClient& client, Duration patience = std::chrono::seconds(20))
+  // up; what came so far is kept by the sensor for half a minute, in which other keys wait.
+  explicit UploadClient(ControlClient& client, Duration patience = std::chrono::seconds(40))
       : client_(client), patience_(patience) {}
 
   // wire::start_crypto() has been called; bytes: below 4 GiB. Errors as ControlClient::request(),

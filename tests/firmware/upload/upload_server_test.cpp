@@ -221,6 +221,20 @@ TEST_F(UploadServerTest, AnotherKeyWaitsUntilTheFirstHasBeenSilentForHalfAMinute
   EXPECT_EQ(shelf_.reverts, 0);
 }
 
+TEST_F(UploadServerTest, AKeyThatWasEndedHoldsUpNobody) {
+  wire::KeyTable keys;
+  ASSERT_EQ(keys.add({.id = 5, .role = wire::Role::kAdmin}), Status::kOk);
+  begin(file_);
+  chunk(file_, 0, 960);
+  server_.drop_ended_keys(keys);
+  EXPECT_EQ(begin(file_).fields.wanted, 960);
+  keys.clear();
+  server_.drop_ended_keys(keys);
+  key_ = 6;
+  EXPECT_EQ(begin(file_).result, SettingsResult::kOk);
+  EXPECT_EQ(begin(file_).fields.wanted, 0);
+}
+
 TEST_F(UploadServerTest, AnAbandonedUploadExpires) {
   begin(file_);
   chunk(file_, 0, 960);
