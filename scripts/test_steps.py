@@ -75,6 +75,7 @@ def layers(log):
     count.add(one(log.run("scripts/wire_table.py", "--check")))
     count.add(unit_tests(log, "tests/scripts/wire_table_test.py"))
     count.add(unit_tests(log, "tests/scripts/security_test.py"))
+    count.add(unit_tests(log, "tests/scripts/tidy_test.py"))
     count.add(unit_tests(log, "tests/scripts/packaging_test.py"))
     return count
 
