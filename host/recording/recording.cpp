@@ -60,39 +60,6 @@ class Counter {
   std::uint32_t number_ = 0;
 };
 
-void read_by_index(mcap::IndexedReader& reader, Summary& summary) {
-  Counter counter(summary);
-  summary.index = reader.index();
-  for (const mcap::MetadataIndex& one : summary.index.metadata) {
-    if (one.name == kSensorMetadata) {
-      if (auto metadata = reader.metadata(one)) {
-        summary.sensor = std::move(metadata->entries);
-      }
-    }
-  }
-  std::set<std::uint16_t> wanted;
-  for (const auto& [id, channel] : summary.index.channels) {
-    const std::optional<Topic> topic = topic_of(summary.index, id);
-    if (topic == Topic::kFrameInfo || topic == Topic::kCalibration) {
-      wanted.insert(id);
-    }
-  }
-  if (wanted.empty()) {  // of which choose() would make all
-    return;
-  }
-  reader.choose(std::move(wanted));
-  while (true) {
-    const auto message = reader.next();
-    if (!message) {
-      ++summary.damaged;
-    } else if (!*message) {
-      return;
-    } else {
-      counter.take(summary.index, **message);
-    }
-  }
-}
-
 void read_in_order(StreamReader& reader, Summary& summary) {
   Counter counter(summary);
   while (true) {
@@ -114,7 +81,11 @@ void read_in_order(StreamReader& reader, Summary& summary) {
   }
   summary.index = reader.index();
   summary.end = reader.end();
-  summary.whole_bytes = reader.whole_until();
+  summary.indexed = reader.indexed();
+  summary.damaged_bytes = reader.damaged_bytes();
+  if (summary.end != StreamReader::End::kWhole) {
+    summary.whole_bytes = reader.whole_until();
+  }
 }
 
 std::unexpected<Problem> in_file(const std::filesystem::path& file, const Problem& problem) {
@@ -142,11 +113,6 @@ std::expected<Summary, Problem> summarise(const std::filesystem::path& file) {
     return std::unexpected(source.error());
   }
   Summary summary{.bytes = source->size(), .whole_bytes = source->size()};
-  if (auto indexed = mcap::IndexedReader::open(*source)) {
-    summary.indexed = true;
-    read_by_index(*indexed, summary);
-    return summary;
-  }
   auto reader = StreamReader::open(*source);
   if (!reader) {
     return in_file(file, reader.error());
