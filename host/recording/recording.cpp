@@ -60,9 +60,12 @@ class Counter {
   std::uint32_t number_ = 0;
 };
 
-void read_in_order(StreamReader& reader, Summary& summary) {
+void read_in_order(StreamReader& reader, const mcap::Progress& progress, Summary& summary) {
   Counter counter(summary);
   while (true) {
+    if (progress) {
+      progress(reader.position(), summary.bytes);
+    }
     auto item = reader.next();
     if (!item) {
       ++summary.damaged;
@@ -107,7 +110,8 @@ std::optional<Topic> topic_of(const mcap::FileIndex& index, std::uint16_t id) {
   return ours ? topic : std::nullopt;
 }
 
-std::expected<Summary, Problem> summarise(const std::filesystem::path& file) {
+std::expected<Summary, Problem> summarise(const std::filesystem::path& file,
+                                          const mcap::Progress& progress) {
   auto source = mcap::FileSource::open(file);
   if (!source) {
     return std::unexpected(source.error());
@@ -117,7 +121,7 @@ std::expected<Summary, Problem> summarise(const std::filesystem::path& file) {
   if (!reader) {
     return in_file(file, reader.error());
   }
-  read_in_order(*reader, summary);
+  read_in_order(*reader, progress, summary);
   return summary;
 }
 

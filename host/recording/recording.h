@@ -12,6 +12,7 @@
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 #include "host/client/frame/frame.h"
+#include "host/recording/mcap/progress.h"
 #include "host/recording/mcap/reader.h"
 #include "host/recording/topics.h"
 
@@ -50,7 +51,8 @@ struct Summary {
 };
 
 // Reads the whole file, as FrameReader does: what one says of its frames is what the other finds.
-std::expected<Summary, Problem> summarise(const std::filesystem::path& file);
+std::expected<Summary, Problem> summarise(const std::filesystem::path& file,
+                                          const mcap::Progress& progress = {});
 
 // A frame of a recording. Images that were not recorded are empty.
 class RecordedFrame {
@@ -95,6 +97,9 @@ class FrameReader {
   std::optional<RecordedFrame> next();
   std::uint64_t damaged() const noexcept { return damaged_; }
   std::uint64_t damaged_bytes() const noexcept { return reader_.damaged_bytes(); }
+  // Bytes of the file that were read, of all.
+  std::uint64_t position() const noexcept { return reader_.position(); }
+  std::uint64_t size() const { return source_->size(); }
   // Of what was read so far.
   const Sights& sights() const noexcept { return sights_; }
 

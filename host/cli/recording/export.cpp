@@ -13,6 +13,7 @@
 #include "host/cli/failure.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/recording/damage_text.h"
+#include "host/cli/recording/reading_progress.h"
 #include "host/cli/view/ply.h"
 #include "host/client/frame/point_cloud.h"
 #include "host/picture/png.h"
@@ -262,13 +263,17 @@ void export_recording(const ExportOptions& options) {
   const std::unique_ptr<Exporter> exporter = formats().at(options.as)(options.to);
   std::uint64_t frames = 0;
   std::uint64_t exported = 0;
-  while (options.frames == 0 || frames < options.frames) {
-    const std::optional<RecordedFrame> frame = reader.next();
-    if (!frame) {
-      break;
+  {
+    ReadingProgress progress(options.file.string());
+    while (options.frames == 0 || frames < options.frames) {
+      const std::optional<RecordedFrame> frame = reader.next();
+      if (!frame) {
+        break;
+      }
+      exported += exporter->add(*frame, frames) ? 1U : 0U;
+      ++frames;
+      progress.show(reader.position(), reader.size());
     }
-    exported += exporter->add(*frame, frames) ? 1U : 0U;
-    ++frames;
   }
   exporter->finish(reader.sights());
   if (options.json) {

@@ -9,6 +9,7 @@
 
 #include "host/cli/failure.h"
 #include "host/cli/recording/damage_text.h"
+#include "host/cli/recording/reading_progress.h"
 #include "host/client/printable.h"
 #include "host/text/printed.h"
 
@@ -166,7 +167,10 @@ std::string info_json(const std::string& file, const recording::Summary& summary
 }
 
 void info(const InfoOptions& options) {
-  const recording::Summary summary = value_or_fail(recording::summarise(options.file));
+  const recording::Summary summary = [&] {
+    ReadingProgress progress(options.file.string());
+    return value_or_fail(recording::summarise(options.file, progress.callback()));
+  }();
   const std::string file = options.file.string();
   if (options.json) {
     std::puts(info_json(file, summary).c_str());

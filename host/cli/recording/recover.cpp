@@ -6,6 +6,7 @@
 
 #include "host/cli/failure.h"
 #include "host/cli/recording/damage_text.h"
+#include "host/cli/recording/reading_progress.h"
 #include "host/recording/mcap/recover.h"
 #include "host/text/printed.h"
 
@@ -18,9 +19,12 @@ void recover(const RecoverOptions& options) {
   }
   using Existing = mcap::FileSink::Existing;
   const Existing existing = options.force ? Existing::kReplace : Existing::kRefuse;
-  const auto recovered =
-      in_place ? mcap::recover(options.file) : mcap::recover(options.file, options.out, existing);
-  const mcap::Recovered result = value_or_fail(recovered);
+  const mcap::Recovered result = [&] {
+    ReadingProgress progress(options.file.string());
+    return value_or_fail(
+        in_place ? mcap::recover(options.file, progress.callback())
+                 : mcap::recover(options.file, options.out, existing, progress.callback()));
+  }();
   const std::string file = (in_place ? options.file : options.out).string();
   if (options.json) {
     const nlohmann::ordered_json json{{"file", file},

@@ -25,7 +25,8 @@ std::optional<RecordAt> first_record(Bytes bytes) {
   return record;
 }
 
-std::expected<void, Unreadable> unpack(const Chunk& chunk, const Limits& limits, Buffer& out) {
+std::expected<void, Unreadable> unpack(const Chunk& chunk, const Limits& limits, Buffer& out,
+                                       std::uint64_t room) {
   const auto refuse = [](std::string_view why, bool damaged = true) {
     return std::unexpected(Unreadable{.why = why, .damaged = damaged});
   };
@@ -45,6 +46,9 @@ std::expected<void, Unreadable> unpack(const Chunk& chunk, const Limits& limits,
     }
     if (size > kAnyRatioBytes && size / kMostRatio > chunk.records.size()) {
       return refuse("it would be more than 1024 times as large unpacked", false);
+    }
+    if (size > room) {
+      return refuse("the file would be more than 4096 times as large unpacked", false);
     }
     out.resize(size);
     if (!decompress_zstd(chunk.records, out)) {

@@ -23,7 +23,8 @@ struct Unreadable {
   bool damaged = true;
 };
 
-// The content of a chunk into `out`.
-std::expected<void, Unreadable> unpack(const Chunk& chunk, const Limits& limits, Buffer& out);
+// The content of a chunk into `out`. room: bytes that it may unpack to, beside the limits.
+std::expected<void, Unreadable> unpack(const Chunk& chunk, const Limits& limits, Buffer& out,
+                                       std::uint64_t room = ~std::uint64_t{0});
 
 }  // namespace stof::mcap

@@ -13,9 +13,17 @@ struct Limits {
 };
 
 // A chunk that unpacks to more than this may be so many times as large as it is packed. Ours have
-// 4 MiB, of which those of a dark room pack to a thousandth.
+// 4 MiB.
 inline constexpr std::uint64_t kAnyRatioBytes = std::uint64_t{16} << 20;
 inline constexpr std::uint64_t kMostRatio = 1024;
+
+// All chunks up to a place of the file may unpack to so much: what reading takes is bounded by the
+// file's size. Frames of one value with their indexes reach 1400 times.
+constexpr std::uint64_t most_unpacked(std::uint64_t file_bytes) noexcept {
+  constexpr std::uint64_t kAny = std::uint64_t{64} << 20;
+  constexpr std::uint64_t kRatio = 4096;
+  return kAny + kRatio * file_bytes;
+}
 
 // Messages in a chunk of so many packed bytes: each has a time of its own, which takes a byte.
 constexpr std::uint64_t most_messages(std::uint64_t packed_bytes) noexcept {

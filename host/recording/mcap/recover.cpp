@@ -13,6 +13,12 @@ std::unexpected<Problem> in_file(const std::filesystem::path& file, const Proble
   return std::unexpected(Problem{file.string() + ": " + problem.message});
 }
 
+void tell(const Progress& progress, const StreamReader& reader, const ByteSource& source) {
+  if (progress) {
+    progress(reader.position(), source.size());
+  }
+}
+
 // Of the first `size` bytes.
 std::expected<Crc32, Problem> crc_of(const ByteSource& source, std::uint64_t size) {
   constexpr std::uint64_t kPiece = std::uint64_t{1} << 20;
@@ -30,10 +36,12 @@ std::expected<Crc32, Problem> crc_of(const ByteSource& source, std::uint64_t siz
 
 // Begin of the damaged records at the end of the file, if there are any: a power cut may leave what
 // was not flushed. A problem: something sound follows them.
-std::expected<std::optional<std::uint64_t>, Problem> read_to_end(StreamReader& reader) {
+std::expected<std::optional<std::uint64_t>, Problem> read_to_end(
+    StreamReader& reader, const std::function<void()>& tell) {
   std::optional<std::uint64_t> first_damaged;
   std::string what;
   while (true) {
+    tell();
     const auto item = reader.next();
     if (!item) {
       first_damaged =
@@ -71,7 +79,8 @@ Buffer index_last_chunk(const StreamReader& reader, FileIndex& index, std::uint6
 
 }  // namespace
 
-std::expected<Recovered, Problem> recover(const std::filesystem::path& file) {
+std::expected<Recovered, Problem> recover(const std::filesystem::path& file,
+                                          const Progress& progress) {
   auto source = FileSource::open(file);
   if (!source) {
     return std::unexpected(source.error());
@@ -83,7 +92,7 @@ std::expected<Recovered, Problem> recover(const std::filesystem::path& file) {
   if (auto done = source->lock(file); !done) {
     return std::unexpected(done.error());
   }
-  const auto damage = read_to_end(*reader);
+  const auto damage = read_to_end(*reader, [&] { tell(progress, *reader, *source); });
   if (!damage) {
     return in_file(file, damage.error());
   }
@@ -172,7 +181,7 @@ class Copy {
 
 std::expected<Recovered, Problem> recover(const std::filesystem::path& file,
                                           const std::filesystem::path& out,
-                                          FileSink::Existing existing) {
+                                          FileSink::Existing existing, const Progress& progress) {
   std::error_code none;
   if (std::filesystem::equivalent(file, out, none)) {
     return dataset::refuse(out, "is the recording itself", "leave OUT away, or give another name");
@@ -197,6 +206,7 @@ std::expected<Recovered, Problem> recover(const std::filesystem::path& file,
   Recovered result;
   Copy copy(*reader, *writer);
   while (true) {
+    tell(progress, *reader, *source);
     const auto item = reader->next();
     if (!item) {
       ++result.damaged;

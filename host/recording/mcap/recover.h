@@ -4,6 +4,7 @@
 #include <expected>
 #include <filesystem>
 
+#include "host/recording/mcap/progress.h"
 #include "host/recording/mcap/reader.h"
 
 namespace stof::mcap {
@@ -19,12 +20,14 @@ struct Recovered {
 // Gives a cut file its index again, in place: what lies behind its last whole record is cut off, no
 // other byte changes. Refused, and left as it is, is a file in which anything sound follows damage,
 // or whose index names what is not there, or that another program writes.
-std::expected<Recovered, Problem> recover(const std::filesystem::path& file);
+std::expected<Recovered, Problem> recover(const std::filesystem::path& file,
+                                          const Progress& progress = {});
 
 // Writes what can be read of `file` as a whole file: all messages, attachments and metadata of
 // records that are sound. `out` must not exist, or is replaced; it is never `file`.
-std::expected<Recovered, Problem> recover(
-    const std::filesystem::path& file, const std::filesystem::path& out,
-    FileSink::Existing existing = FileSink::Existing::kRefuse);
+std::expected<Recovered, Problem> recover(const std::filesystem::path& file,
+                                          const std::filesystem::path& out,
+                                          FileSink::Existing existing = FileSink::Existing::kRefuse,
+                                          const Progress& progress = {});
 
 }  // namespace stof::mcap

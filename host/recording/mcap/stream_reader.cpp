@@ -95,6 +95,7 @@ std::expected<bool, Problem> StreamReader::read_record() {
     return skip_to_next_record(End::kCut);
   }
   if (length > limits_.record_bytes) {
+    unreadable_ = true;
     return skip_to_next_record(End::kDamaged);
   }
   buffer_.resize(static_cast<std::size_t>(length));
@@ -267,10 +268,14 @@ std::expected<void, Problem> StreamReader::open_chunk() {
   if (!chunk || !(is_exactly(*chunk, record_.content) || search_.credible(at_))) {
     return fail("chunk", "its lengths contradict each other");
   }
-  if (const auto done = unpack(*chunk, limits_, chunk_); !done) {
+  const std::uint64_t most = most_unpacked(at_);
+  const std::uint64_t room = most - std::min(most, unpacked_bytes_);
+  if (const auto done = unpack(*chunk, limits_, chunk_, room); !done) {
     unreadable_ = unreadable_ || !done.error().damaged;
+    unpacked_bytes_ += std::min({chunk->uncompressed_size, room, kAnyRatioBytes});  // in vain
     return fail("chunk", done.error().why);
   }
+  unpacked_bytes_ += chunk_.size();
   std::map<std::uint16_t, MessageIndex> messages_by_channel;
   if (auto done = judge_chunk(chunk->records.size(), messages_by_channel); !done) {
     chunk_.clear();

@@ -64,6 +64,8 @@ class StreamReader {
   bool can_index_in_place() const noexcept {
     return definitions_.as_in_file() && !absent_ && !unreadable_ && !search_.gave_up();
   }
+  // Bytes of the file that were read.
+  std::uint64_t position() const noexcept { return at_; }
   const Header& header() const noexcept { return header_; }
   bool chunked() const noexcept { return !loose_messages_; }  // all messages lie in chunks
   // Every chunk but the last one has a sound message index for each of its channels behind it.
@@ -104,6 +106,7 @@ class StreamReader {
   bool absent_ = false;      // something of what it names
   bool unreadable_ = false;  // a chunk that is not damaged
   std::uint64_t damaged_bytes_ = 0;
+  std::uint64_t unpacked_bytes_ = 0;  // of all chunks
   End end_ = End::kNotYet;
   std::uint64_t at_ = 0;
   std::uint64_t whole_until_ = 0;

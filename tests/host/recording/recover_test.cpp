@@ -393,6 +393,29 @@ TEST_F(RecoverTest, LittleBytesDoNotBecomeMany) {
   }
 }
 
+// Many small chunks of 8 MiB each: what reading takes stays in proportion to the file.
+TEST_F(RecoverTest, ManyLittleChunksDoNotBecomeMany) {
+  constexpr std::size_t kContent = std::size_t{8} << 20;
+  Buffer content;
+  append(content, mcap::Metadata{.name = std::string(kContent, 'a')});
+  Buffer packed;
+  mcap::ZstdCompressor(19).compress(content, packed);
+  Buffer file;
+  mcap::append_bytes(file, std::as_bytes(std::span(mcap::kMagic)));
+  append(file, mcap::Header{});
+  constexpr std::size_t kChunks = 100;
+  for (std::size_t k = 0; k < kChunks; ++k) {
+    append(file, mcap::Chunk{.uncompressed_size = content.size(),
+                             .uncompressed_crc = mcap::crc32(content),
+                             .compression = "zstd",
+                             .records = packed});
+  }
+  const std::size_t may = (mcap::most_unpacked(file.size()) / content.size()) + 1;
+  ASSERT_LT(may, kChunks);
+  EXPECT_GE(test::stream(file).problems, kChunks - may);
+  EXPECT_FALSE(mcap::recover(put_bytes("bomb.mcap", file))) << "nothing of it is damaged";
+}
+
 TEST_F(RecoverTest, WhatIsNoRecordingIsRefused) {
   for (const std::string& bytes :
        {std::string(), std::string("hello"), std::string("\x89MCAP0\r\n")}) {
