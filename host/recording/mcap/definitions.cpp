@@ -40,7 +40,7 @@ void Definitions::forget() {
 }
 
 template <typename T>
-bool Definitions::place(std::uint16_t id, T&& value, std::map<std::uint16_t, T>& all,
+bool Definitions::place(std::uint16_t id, T value, std::map<std::uint16_t, T>& all,
                         std::map<std::uint16_t, std::uint16_t>& ids, const Limits& limits) {
   const auto there = all.find(id);
   if (there != all.end() && is_same(there->second, value)) {

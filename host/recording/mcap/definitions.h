@@ -25,7 +25,7 @@ class Definitions {
 
  private:
   template <typename T>
-  bool place(std::uint16_t id, T&& value, std::map<std::uint16_t, T>& all,
+  bool place(std::uint16_t id, T value, std::map<std::uint16_t, T>& all,
              std::map<std::uint16_t, std::uint16_t>& ids, const Limits& limits);
 
   std::map<std::uint16_t, std::uint16_t> schemas_;

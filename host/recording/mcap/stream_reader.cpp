@@ -26,16 +26,7 @@ std::expected<StreamReader, Problem> StreamReader::open(const ByteSource& source
   }
   reader.header_ = std::move(*header);
   if (const auto indexed = IndexedReader::open(source, limits)) {
-    reader.indexed_ = true;
-    const FileIndex& index = indexed->index();
-    const auto note = [&](std::uint64_t offset) { reader.named_.insert(offset); };
-    for (const ChunkIndex& chunk : index.chunks) {
-      note(chunk.chunk_offset);
-      std::ranges::for_each(chunk.message_index_offsets, note,
-                            [](const auto& one) { return one.second; });
-    }
-    std::ranges::for_each(index.attachments, note, &AttachmentIndex::offset);
-    std::ranges::for_each(index.metadata, note, &MetadataIndex::offset);
+    reader.index_check_.begin(indexed->index());
   }
   return reader;
 }
@@ -56,7 +47,7 @@ std::unexpected<Problem> StreamReader::fail(std::string_view what, std::string_v
     }
   }
   damaged_bytes_ += at_ - offset;
-  named_.erase(named_.lower_bound(offset), named_.lower_bound(std::max(at_, offset + 1)));
+  index_check_.damaged(offset, at_);
   return damaged(what, offset, why);
 }
 
@@ -124,17 +115,13 @@ std::expected<std::optional<Item>, Problem> StreamReader::next() {
 
 // What the index names and nobody met, once.
 std::expected<void, Problem> StreamReader::judge_end() {
-  if (named_.empty()) {
+  const std::optional<IndexCheck::Absent> absent = index_check_.take_absent();
+  if (!absent) {
     return {};
   }
-  const std::uint64_t first = *named_.begin();
-  const std::size_t count = named_.size();
-  named_.clear();
-  indexed_ = false;
-  absent_ = true;
-  return damaged("record", first,
-                 "the index at the end of the file names it, and " + std::to_string(count - 1) +
-                     " others that are not there either");
+  return damaged("record", absent->first,
+                 "the index at the end of the file names it, and " +
+                     std::to_string(absent->count - 1) + " others that are not there either");
 }
 
 std::expected<std::optional<Item>, Problem> StreamReader::take() {
@@ -217,7 +204,7 @@ std::expected<std::optional<Item>, Problem> StreamReader::take_attachment() {
   if (!attachment || !(is_exactly(*attachment, record_.content) || search_.credible(at_))) {
     return fail("attachment", "it is cut, or its CRC is another one");
   }
-  indexed_ = named_.erase(offset) != 0 && indexed_;
+  index_check_.found(offset);
   index_.attachments.push_back({.offset = offset,
                                 .length = record_.length,
                                 .log_time = attachment->log_time,
@@ -235,7 +222,7 @@ std::expected<std::optional<Item>, Problem> StreamReader::take_metadata() {
   if (!metadata || !(fields_fill(Opcode::kMetadata, record_.content) || search_.credible(at_))) {
     return fail("metadata", "it is cut");
   }
-  indexed_ = named_.erase(offset) != 0 && indexed_;
+  index_check_.found(offset);
   index_.metadata.push_back({.offset = offset, .length = record_.length, .name = metadata->name});
   ++index_.statistics.metadata_count;
   return Item(std::move(*metadata));
@@ -248,8 +235,8 @@ std::expected<void, Problem> StreamReader::take_data_end() {
       end.at == source_->size() ? std::nullopt : search_.next(end.at);
   if (!next) {
     at_ = offset;
-    const bool all = end.at == source_->size();
-    stop(!end.whole ? End::kCut : all ? End::kWhole : End::kDamaged);
+    const End of_whole = end.at == source_->size() ? End::kWhole : End::kDamaged;
+    stop(end.whole ? of_whole : End::kCut);
     return {};
   }
   at_ = *next;
@@ -281,7 +268,7 @@ std::expected<void, Problem> StreamReader::open_chunk() {
     chunk_.clear();
     return done;
   }
-  indexed_ = named_.erase(record_.offset) != 0 && indexed_;
+  index_check_.found(record_.offset);
   chunk_messages_ = std::move(messages_by_channel);
   index_.chunks.push_back({.start_time = chunk->start_time,
                            .end_time = chunk->end_time,
@@ -387,7 +374,7 @@ std::expected<void, Problem> StreamReader::take_message_index() {
   if (!channel && chunk_sound_ && messages && !messages->entries.empty()) {
     return fail("message index", "it names other messages than its chunk holds", true);
   }
-  named_.erase(record_.offset);
+  index_check_.found_message_index(record_.offset);
   if (!channel) {
     return {};  // empty, or of a damaged chunk
   }

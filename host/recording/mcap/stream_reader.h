@@ -3,13 +3,13 @@
 #include <cstdint>
 #include <expected>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <variant>
 
 #include "host/recording/mcap/definitions.h"
 #include "host/recording/mcap/file_index.h"
+#include "host/recording/mcap/index_check.h"
 #include "host/recording/mcap/limits.h"
 #include "host/recording/mcap/record_at.h"
 #include "host/recording/mcap/record_search.h"
@@ -57,12 +57,13 @@ class StreamReader {
   std::uint64_t damaged_bytes() const noexcept { return damaged_bytes_; }
   // The index at the end of the file is sound, and names all chunks, attachments and metadata that
   // were found, and no others. Once end() is known.
-  bool indexed() const noexcept { return indexed_; }
+  bool indexed() const noexcept { return index_check_.agrees(); }
   // In place an index can be made of index(), and what is damaged at the end be cut: ids are those
   // of the file, the index that is there names nothing that is none, nothing sound can lie behind
   // whole_until(), and no chunk with sound bytes was refused.
   bool can_index_in_place() const noexcept {
-    return definitions_.as_in_file() && !absent_ && !unreadable_ && !search_.gave_up();
+    return definitions_.as_in_file() && !index_check_.names_what_is_absent() && !unreadable_ &&
+           !search_.gave_up();
   }
   // Bytes of the file that were read.
   std::uint64_t position() const noexcept { return at_; }
@@ -101,9 +102,7 @@ class StreamReader {
   Definitions definitions_;
   Header header_;
   FileIndex index_;
-  std::set<std::uint64_t> named_;  // by the index at the end; not met yet
-  bool indexed_ = false;
-  bool absent_ = false;      // something of what it names
+  IndexCheck index_check_;
   bool unreadable_ = false;  // a chunk that is not damaged
   std::uint64_t damaged_bytes_ = 0;
   std::uint64_t unpacked_bytes_ = 0;  // of all chunks
