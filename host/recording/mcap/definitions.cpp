@@ -5,12 +5,13 @@
 namespace stof::mcap {
 namespace {
 
-// What the index has under its id is the same but for that id.
-template <typename T>
-bool is_same(const T& one, const T& other) {
-  T renamed = other;
-  renamed.id = one.id;
-  return one == renamed;
+// But for the id.
+bool is_same(const Schema& one, const Schema& other) {
+  return one.name == other.name && one.encoding == other.encoding && one.data == other.data;
+}
+bool is_same(const Channel& one, const Channel& other) {
+  return one.topic == other.topic && one.schema_id == other.schema_id &&
+         one.message_encoding == other.message_encoding && one.metadata == other.metadata;
 }
 
 template <typename T>

@@ -55,7 +55,6 @@ struct Schema {
   std::string name{};
   std::string encoding{};
   std::string data{};
-  friend bool operator==(const Schema&, const Schema&) = default;
 };
 
 struct Channel {
@@ -64,8 +63,8 @@ struct Channel {
   std::string topic{};
   std::string message_encoding{};
   TextMap metadata{};
-  friend bool operator==(const Channel&, const Channel&) = default;
 };
+
 // Times are nanoseconds since 1970.
 struct Message {
   std::uint16_t channel_id = 0;
