@@ -37,6 +37,7 @@ class Counter {
 
  private:
   void count(std::uint64_t log_time, const Packet& packet) {
+    constexpr std::uint32_t kBackwards = std::uint32_t{1} << 31;  // the same frames again
     Summary& all = summary_;
     ++all.frames;
     all.incomplete_frames += packet.missing_packets != 0 ? 1U : 0U;
@@ -44,7 +45,8 @@ class Counter {
                       before_->device_id == packet.origin.device_id;
     if (!same) {
       ++all.sessions;
-    } else if (const std::uint32_t step = packet.stamp.number - number_; step > 1) {
+    } else if (const std::uint32_t step = packet.stamp.number - number_;
+               step > 1 && step < kBackwards) {
       all.frames_missing += step - 1;
       if (all.gaps.size() < Summary::kMostGaps) {
         all.gaps.push_back({.after = number_, .frames = step - 1, .log_time = log_time});
