@@ -54,7 +54,7 @@ FLOORS = (
     Floor("lab/*", ("lab/*", "dsp/*")),
     Floor("posix/out_of_resources.cpp", ("posix/*",), (*C_LIBRARY, "cxxabi.h")),
     Floor("posix/*", ("posix/*",), C_LIBRARY),
-    Floor("dataset/*", ("dataset/*", "dsp/base/*", "dsp/calib/*"), ANY_LIBRARY),
+    Floor("dataset/*", ("dataset/*", "dsp/base/*", "dsp/calib/*", "posix/fd.h", "posix/named_file.h"), ANY_LIBRARY),
     Floor("hal/emu/*", ("hal/emu/*", HAL_INTERFACES, "dsp/*", "dataset/*"), ANY_LIBRARY),
     Floor("hal/linux/*", ("hal/linux/*", "hal/framing/*", HAL_INTERFACES, "dsp/*", "posix/*"), ANY_LIBRARY),
     Floor("hal/framing/*", ("hal/framing/*", HAL_INTERFACES, "dsp/base/*")),

@@ -1,7 +1,13 @@
 #include "dataset/files/file.h"
 
+#include <cerrno>
 #include <charconv>
+#include <cstring>
 #include <fstream>
+
+#include <unistd.h>
+
+#include "posix/named_file.h"
 
 namespace stof::dataset {
 namespace {
@@ -54,14 +60,38 @@ Loaded<std::string> read_whole(const std::filesystem::path& file, std::size_t ma
   return bytes;
 }
 
+std::unexpected<Problem> refuse_to_write(const std::filesystem::path& file, int error) {
+  switch (error) {
+    case ELOOP:
+      return refuse(file, "cannot be written: a link is not followed",
+                    "give another name, or remove it");
+    case ENXIO:
+    case EISDIR:
+      return refuse(file, "cannot be written: it is no regular file",
+                    "give another name, or remove it");
+    case ENOSPC:
+    case EDQUOT:
+    case EFBIG:
+      return refuse(file, "cannot be written: the disk is full", "make room, or give another disk");
+    default:
+      return refuse(file, std::string("cannot be written: ") + std::strerror(error),
+                    "check the folder, its permissions and the free space");
+  }
+}
+
 std::expected<void, Problem> write_whole(const std::filesystem::path& file,
                                          std::string_view bytes) {
-  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  stream.close();
-  if (!stream) {
-    return refuse(file, "cannot be written",
-                  "check the folder, its permissions and the free space");
+  const auto fd = posix::open_named_file(file.string(), true);
+  if (!fd) {
+    return refuse_to_write(file, fd.error());
+  }
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(fd->get(), bytes.data(), bytes.size());
+    if (written > 0) {
+      bytes.remove_prefix(static_cast<std::size_t>(written));
+    } else if (written == 0 || errno != EINTR) {
+      return refuse_to_write(file, written == 0 ? ENOSPC : errno);
+    }
   }
   return {};
 }

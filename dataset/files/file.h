@@ -26,8 +26,11 @@ std::filesystem::path file_of(const std::filesystem::path& prefix, const char* e
 // The whole file. Refused: what is not a regular file, cannot be read, or has more than max_bytes.
 Loaded<std::string> read_whole(const std::filesystem::path& file, std::size_t max_bytes);
 
-// The file is what `bytes` are, whatever it was before.
+// The file is what `bytes` are, whatever it was before: the one way to write a file by its name.
+// Refused: a link, also one that leads nowhere, and a pipe; a character device is written to.
 std::expected<void, Problem> write_whole(const std::filesystem::path& file, std::string_view bytes);
+// Why such a file cannot be written, by its errno.
+std::unexpected<Problem> refuse_to_write(const std::filesystem::path& file, int error);
 
 // Whether something has this name. A broken path counts as absent.
 bool is_there(const std::filesystem::path& file);

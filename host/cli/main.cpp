@@ -1,3 +1,4 @@
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -181,6 +182,8 @@ int complain(Exit code, const char* line) noexcept {
 int main(int argc, char** argv) {
   using stof::host::Exit;
   std::set_new_handler(nullptr);  // from here on it is an exception
+  // A file that may not grow any more is a full disk to us, not the end of the program.
+  static_cast<void>(std::signal(SIGXFSZ, SIG_IGN));
   try {
     const int code = stof::host::run(argc, argv);
     // What nobody can read was not said: a full disk, a terminal that has gone.

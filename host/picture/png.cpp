@@ -1,13 +1,11 @@
 #include "host/picture/png.h"
 
-#include <cstdio>
 #include <map>
 #include <stdexcept>
 
-#include <fcntl.h>
 #include <png.h>
-#include <sys/stat.h>
-#include <unistd.h>
+
+#include "dataset/files/file.h"
 
 namespace stof::host {
 namespace {
@@ -19,55 +17,35 @@ struct Layout {
   int colour_type;
 };
 
-// Follows no link, and waits for nobody at a pipe: a folder that others write to may hold either.
-std::FILE* open_file(const std::filesystem::path& file) {
-  constexpr mode_t kMode = 0666;  // less the umask
-  const int fd = ::open(file.c_str(),
-                        O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, kMode);
-  if (fd < 0) {
-    return nullptr;
-  }
-  struct stat is{};
-  const bool usable = ::fstat(fd, &is) == 0 &&
-                      (S_ISCHR(is.st_mode) || (S_ISREG(is.st_mode) && ::ftruncate(fd, 0) == 0));
-  std::FILE* const stream = usable ? ::fdopen(fd, "wb") : nullptr;
-  if (stream == nullptr) {
-    ::close(fd);
-  }
-  return stream;
-}
-
 // libpng reports errors by longjmp: what it jumps over has no destructors, this class keeps them.
 class Writer {
  public:
-  explicit Writer(const std::filesystem::path& file)
-      : stream_(open_file(file)),
-        png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, ignore)),
+  Writer()
+      : png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, ignore)),
         info_(png_ == nullptr ? nullptr : png_create_info_struct(png_)) {}
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
-  ~Writer() {
-    png_destroy_write_struct(&png_, &info_);
-    if (stream_ != nullptr) {
-      std::fclose(stream_);
-    }
-  }
+  ~Writer() { png_destroy_write_struct(&png_, &info_); }
 
-  bool write(const Layout& layout, std::vector<png_bytep>& rows, std::vector<png_text>& texts) {
-    if (stream_ == nullptr || info_ == nullptr || !encode(layout, rows, texts)) {
-      return false;
-    }
-    return std::fclose(std::exchange(stream_, nullptr)) == 0;
+  // The bytes of the file; empty: libpng refused.
+  std::string write(const Layout& layout, std::vector<png_bytep>& rows,
+                    std::vector<png_text>& texts) {
+    return info_ != nullptr && encode(layout, rows, texts) ? std::move(bytes_) : std::string();
   }
 
  private:
   static void ignore(png_structp /*png*/, png_const_charp /*message*/) {}
+  static void append(png_structp png, png_bytep bytes, std::size_t count) {
+    static_cast<std::string*>(png_get_io_ptr(png))
+        ->append(reinterpret_cast<const char*>(bytes), count);
+  }
+  static void flush(png_structp /*png*/) {}
 
   bool encode(const Layout& layout, std::vector<png_bytep>& rows, std::vector<png_text>& texts) {
     if (setjmp(png_jmpbuf(png_)) != 0) {  // NOLINT: libpng's way to report an error
       return false;
     }
-    png_init_io(png_, stream_);
+    png_set_write_fn(png_, &bytes_, append, flush);
     png_set_IHDR(png_, info_, static_cast<png_uint_32>(layout.width),
                  static_cast<png_uint_32>(layout.height), layout.bit_depth, layout.colour_type,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
@@ -78,7 +56,7 @@ class Writer {
     return true;
   }
 
-  std::FILE* stream_;
+  std::string bytes_;
   png_structp png_;
   png_infop info_;
 };
@@ -99,13 +77,11 @@ std::expected<void, dataset::Problem> write(const std::filesystem::path& file, c
     chunk.text_length = text.size();
     chunks.push_back(chunk);
   }
-  if (!Writer(file).write(layout, rows, chunks)) {
-    return std::unexpected(dataset::Problem{file.string() +
-                                            ": cannot be written: check the folder, its "
-                                            "permissions and the free space; a link or a pipe "
-                                            "of that name is not written to"});
+  const std::string png = Writer().write(layout, rows, chunks);
+  if (png.empty()) {
+    return dataset::refuse(file, "cannot be written as PNG", "give a smaller picture");
   }
-  return {};
+  return dataset::write_whole(file, png);
 }
 
 // palette: red, green, blue of each index, for formats that have one.

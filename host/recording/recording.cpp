@@ -37,6 +37,7 @@ class Counter {
 
  private:
   void count(std::uint64_t log_time, const Packet& packet) {
+    constexpr std::uint32_t kBackwards = std::uint32_t{1} << 31;  // the same frames again
     Summary& all = summary_;
     ++all.frames;
     all.incomplete_frames += packet.missing_packets != 0 ? 1U : 0U;
@@ -44,7 +45,8 @@ class Counter {
                       before_->device_id == packet.origin.device_id;
     if (!same) {
       ++all.sessions;
-    } else if (const std::uint32_t step = packet.stamp.number - number_; step > 1) {
+    } else if (const std::uint32_t step = packet.stamp.number - number_;
+               step > 1 && step < kBackwards) {
       all.frames_missing += step - 1;
       if (all.gaps.size() < Summary::kMostGaps) {
         all.gaps.push_back({.after = number_, .frames = step - 1, .log_time = log_time});
@@ -60,42 +62,12 @@ class Counter {
   std::uint32_t number_ = 0;
 };
 
-void read_by_index(mcap::IndexedReader& reader, Summary& summary) {
-  Counter counter(summary);
-  summary.index = reader.index();
-  for (const mcap::MetadataIndex& one : summary.index.metadata) {
-    if (one.name == kSensorMetadata) {
-      if (auto metadata = reader.metadata(one)) {
-        summary.sensor = std::move(metadata->entries);
-      }
-    }
-  }
-  std::set<std::uint16_t> wanted;
-  for (const auto& [id, channel] : summary.index.channels) {
-    const std::optional<Topic> topic = topic_of(summary.index, id);
-    if (topic == Topic::kFrameInfo || topic == Topic::kCalibration) {
-      wanted.insert(id);
-    }
-  }
-  if (wanted.empty()) {  // of which choose() would make all
-    return;
-  }
-  reader.choose(std::move(wanted));
-  while (true) {
-    const auto message = reader.next();
-    if (!message) {
-      ++summary.damaged;
-    } else if (!*message) {
-      return;
-    } else {
-      counter.take(summary.index, **message);
-    }
-  }
-}
-
-void read_in_order(StreamReader& reader, Summary& summary) {
+void read_in_order(StreamReader& reader, const mcap::Progress& progress, Summary& summary) {
   Counter counter(summary);
   while (true) {
+    if (progress) {
+      progress(reader.position(), summary.bytes);
+    }
     auto item = reader.next();
     if (!item) {
       ++summary.damaged;
@@ -114,7 +86,11 @@ void read_in_order(StreamReader& reader, Summary& summary) {
   }
   summary.index = reader.index();
   summary.end = reader.end();
-  summary.whole_bytes = reader.whole_until();
+  summary.indexed = reader.indexed();
+  summary.damaged_bytes = reader.damaged_bytes();
+  if (summary.end != StreamReader::End::kWhole) {
+    summary.whole_bytes = reader.whole_until();
+  }
 }
 
 std::unexpected<Problem> in_file(const std::filesystem::path& file, const Problem& problem) {
@@ -136,22 +112,18 @@ std::optional<Topic> topic_of(const mcap::FileIndex& index, std::uint16_t id) {
   return ours ? topic : std::nullopt;
 }
 
-std::expected<Summary, Problem> summarise(const std::filesystem::path& file) {
+std::expected<Summary, Problem> summarise(const std::filesystem::path& file,
+                                          const mcap::Progress& progress) {
   auto source = mcap::FileSource::open(file);
   if (!source) {
     return std::unexpected(source.error());
   }
   Summary summary{.bytes = source->size(), .whole_bytes = source->size()};
-  if (auto indexed = mcap::IndexedReader::open(*source)) {
-    summary.indexed = true;
-    read_by_index(*indexed, summary);
-    return summary;
-  }
   auto reader = StreamReader::open(*source);
   if (!reader) {
     return in_file(file, reader.error());
   }
-  read_in_order(*reader, summary);
+  read_in_order(*reader, progress, summary);
   return summary;
 }
 

@@ -12,6 +12,7 @@
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 #include "host/client/frame/frame.h"
+#include "host/recording/mcap/progress.h"
 #include "host/recording/mcap/reader.h"
 #include "host/recording/topics.h"
 
@@ -32,11 +33,12 @@ struct Gap {
 };
 
 struct Summary {
-  bool indexed = false;  // false: read from begin to end, see `end`
+  bool indexed = false;  // sound, and names what is there
   mcap::StreamReader::End end = mcap::StreamReader::End::kWhole;
   std::uint64_t bytes = 0;
-  std::uint64_t whole_bytes = 0;  // without what is cut
-  std::uint64_t damaged = 0;      // records or chunks that could not be read
+  std::uint64_t whole_bytes = 0;    // without what is cut
+  std::uint64_t damaged = 0;        // records or chunks that could not be read
+  std::uint64_t damaged_bytes = 0;  // of them, and between records; of those in the middle
   mcap::FileIndex index{};
   mcap::TextMap sensor{};                                // the metadata record `stof`
   std::optional<wire::CalibrationPacket> calibration{};  // the last one
@@ -48,8 +50,9 @@ struct Summary {
   static constexpr std::size_t kMostGaps = 1000;
 };
 
-// Reads the whole file: with an index only what is needed of it.
-std::expected<Summary, Problem> summarise(const std::filesystem::path& file);
+// Reads the whole file, as FrameReader does: what one says of its frames is what the other finds.
+std::expected<Summary, Problem> summarise(const std::filesystem::path& file,
+                                          const mcap::Progress& progress = {});
 
 // A frame of a recording. Images that were not recorded are empty.
 class RecordedFrame {
@@ -93,6 +96,10 @@ class FrameReader {
   // Nothing at the end. What is damaged is left out and counted.
   std::optional<RecordedFrame> next();
   std::uint64_t damaged() const noexcept { return damaged_; }
+  std::uint64_t damaged_bytes() const noexcept { return reader_.damaged_bytes(); }
+  // Bytes of the file that were read, of all.
+  std::uint64_t position() const noexcept { return reader_.position(); }
+  std::uint64_t size() const { return source_->size(); }
   // Of what was read so far.
   const Sights& sights() const noexcept { return sights_; }
 

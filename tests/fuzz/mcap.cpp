@@ -54,6 +54,7 @@ void read_in_order(const mcap::ByteSource& source) {
   }
   fuzz::require(reader->end() != mcap::StreamReader::End::kNotYet);
   fuzz::require(reader->whole_until() <= source.size());
+  fuzz::require(reader->damaged_bytes() <= source.size());
   fuzz::require(reader->index().statistics.message_count == messages);
   fuzz::require(reader->index().channels.size() <= kSmall.channels);
 }

@@ -12,6 +12,8 @@
 #include "host/cli/evaluate/evaluate.h"
 #include "host/cli/failure.h"
 #include "host/cli/own_keys.h"
+#include "host/cli/recording/damage_text.h"
+#include "host/cli/recording/reading_progress.h"
 #include "host/cli/view/ply.h"
 #include "host/client/frame/point_cloud.h"
 #include "host/picture/png.h"
@@ -36,6 +38,17 @@ std::string name_of(std::uint64_t index) {
 
 void write_file(const std::filesystem::path& file, std::string_view bytes) {
   value_or_end(dataset::write_whole(file, bytes));
+}
+
+// In the folder that the user names: there a link may lie that leads anywhere.
+void make_own_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (std::filesystem::is_symlink(folder, error)) {
+    throw Failure(
+        Exit::kBadInput,
+        folder.string() + ": is a link, and is not followed: remove it, or give another --to");
+  }
+  make_folder(folder);
 }
 
 // One format.
@@ -70,7 +83,7 @@ class PngExporter : public Exporter {
     if (frame.depth.empty()) {
       return false;
     }
-    value_or_fail(write_png(
+    value_or_end(write_png(
         to() / (name_of(index) + ".png"), image_of(frame.depth, frame.width, frame.height),
         {{"Title", "Depth map"},
          {"Description",
@@ -105,7 +118,7 @@ class PlyExporter : public CloudExporter {
 
  protected:
   void write(std::filesystem::path file, const std::vector<client::Point>& points) override {
-    value_or_fail(write_ply(file += ".ply", points));
+    value_or_end(write_ply(file += ".ply", points));
   }
 };
 
@@ -131,7 +144,7 @@ class PcdExporter : public CloudExporter {
       }
       bytes.push_back(static_cast<char>(point.source));
     }
-    value_or_fail(dataset::write_whole(file += ".pcd", bytes));
+    value_or_end(dataset::write_whole(file += ".pcd", bytes));
   }
 };
 
@@ -190,7 +203,7 @@ class CsvExporter : public Exporter {
 class TumExporter : public Exporter {
  public:
   explicit TumExporter(std::filesystem::path to) : Exporter(std::move(to)) {
-    make_folder(this->to() / "depth");
+    make_own_folder(this->to() / "depth");
   }
   bool add(const RecordedFrame& frame, std::uint64_t /*index*/) override {
     if (frame.depth.empty()) {
@@ -204,11 +217,11 @@ class TumExporter : public Exporter {
       return static_cast<std::uint16_t>(value > 65535 ? 0 : value);  // beyond 13.107 m: none
     });
     const std::string depth = "depth/" + stamp + ".png";
-    value_or_fail(write_png(to() / depth, image_of(scaled, frame.width, frame.height),
-                            {{"Description", "16-bit grey: Z, value / 5000 = metres, 0 = none"}}));
+    value_or_end(write_png(to() / depth, image_of(scaled, frame.width, frame.height),
+                           {{"Description", "16-bit grey: Z, value / 5000 = metres, 0 = none"}}));
     depth_ += stamp + " " + depth + "\n";
     if (!frame.left.empty()) {
-      make_folder(to() / "rgb");
+      make_own_folder(to() / "rgb");
       const std::string left = "rgb/" + stamp + ".png";
       write_file(to() / left, png_bytes(image_of(frame.left, frame.left_width, frame.left_height)));
       left_ += stamp + " " + left + "\n";
@@ -250,13 +263,17 @@ void export_recording(const ExportOptions& options) {
   const std::unique_ptr<Exporter> exporter = formats().at(options.as)(options.to);
   std::uint64_t frames = 0;
   std::uint64_t exported = 0;
-  while (options.frames == 0 || frames < options.frames) {
-    const std::optional<RecordedFrame> frame = reader.next();
-    if (!frame) {
-      break;
+  {
+    ReadingProgress progress(options.file.string());
+    while (options.frames == 0 || frames < options.frames) {
+      const std::optional<RecordedFrame> frame = reader.next();
+      if (!frame) {
+        break;
+      }
+      exported += exporter->add(*frame, frames) ? 1U : 0U;
+      ++frames;
+      progress.show(reader.position(), reader.size());
     }
-    exported += exporter->add(*frame, frames) ? 1U : 0U;
-    ++frames;
   }
   exporter->finish(reader.sights());
   if (options.json) {
@@ -265,17 +282,20 @@ void export_recording(const ExportOptions& options) {
                                       {"as", options.as},
                                       {"frames", frames},
                                       {"exported", exported},
-                                      {"damaged", reader.damaged()}};
+                                      {"damaged", reader.damaged()},
+                                      {"damaged_bytes", reader.damaged_bytes()}};
     std::puts(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
   } else {
     std::printf("wrote %llu of %llu frames to %s\n", static_cast<unsigned long long>(exported),
                 static_cast<unsigned long long>(frames), options.to.c_str());
   }
   if (exported == 0 || reader.damaged() != 0) {
-    const std::string what = exported == 0
-                                 ? "no frame in it has what " + options.as +
-                                       " takes: clouds take depth and calibration, pictures depth"
-                                 : std::to_string(reader.damaged()) + " records in it are damaged";
+    std::string what = "no frame in it has what " + options.as +
+                       " takes: clouds take depth and calibration, pictures depth";
+    if (reader.damaged() != 0) {
+      what = damage_text(reader.damaged(), reader.damaged_bytes()) +
+             (exported == 0 ? ", and no frame is left that " + options.as + " takes" : "");
+    }
     throw Failure(Exit::kFailure, options.file.string() + ": " + what + ": see stof info FILE");
   }
 }
@@ -287,8 +307,9 @@ void add_export(CLI::App& app, ExportOptions& options) {
       "png16: NUMBER.png, 16 bit, quarter millimetres. ply, pcd: NUMBER.ply or .pcd, clouds in "
       "metres. csv: frames.csv, health.csv, events.csv. tum: the folder of the TUM RGB-D data "
       "set.\n"
-      "Ends with 0 (done), 1 (no frame has what the format takes, records are damaged, or the disk "
-      "is full) or 2 (bad input).");
+      "Links and pipes that have the name of a file are not written to.\n"
+      "Ends with 0 (done), 1 (no frame has what the format takes, records are damaged, or a file "
+      "cannot be written) or 2 (bad input).");
   command.add_option("FILE", options.file, "The recording, also a cut one")->required();
   command.add_option("--to", options.to, "Folder, which is made where missing")->required();
   std::vector<std::string> names;

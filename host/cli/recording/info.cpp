@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/failure.h"
+#include "host/cli/recording/damage_text.h"
+#include "host/cli/recording/reading_progress.h"
 #include "host/client/printable.h"
 #include "host/text/printed.h"
 
@@ -36,14 +38,15 @@ std::string time_text(std::uint64_t nanoseconds) {
 }
 
 const char* state_text(const recording::Summary& summary) {
-  if (summary.indexed) {
-    return "whole, with index";
+  if (summary.damaged != 0) {
+    return "damaged: stof recover FILE OUT writes what is sound";
   }
   switch (summary.end) {
     case mcap::StreamReader::End::kWhole:
-      return "ends, but its index is damaged: stof recover FILE";
+      return summary.indexed ? "whole, with index"
+                             : "ends, but its index is damaged: stof recover FILE";
     case mcap::StreamReader::End::kDamaged:
-      return "damaged: stof recover FILE";
+      return "damaged at its end: stof recover FILE";
     default:
       return "cut: stof recover FILE";
   }
@@ -74,8 +77,9 @@ std::string info_text(const std::string& file, const recording::Summary& summary
                   static_cast<unsigned long long>(summary.frames_missing), summary.gaps.size(),
                   summary.sessions);
   if (summary.damaged != 0) {
-    text +=
-        printed("  %llu records are damaged\n", static_cast<unsigned long long>(summary.damaged));
+    text += printed("  %llu records are damaged, %llu bytes are left out\n",
+                    static_cast<unsigned long long>(summary.damaged),
+                    static_cast<unsigned long long>(summary.damaged_bytes));
   }
   for (const auto& [key, value] : summary.sensor) {
     text += "  " + client::printable(key) + ": " + client::printable(value) + "\n";
@@ -120,6 +124,7 @@ std::string info_json(const std::string& file, const recording::Summary& summary
             {"bytes", summary.bytes},
             {"whole_bytes", summary.whole_bytes},
             {"damaged", summary.damaged},
+            {"damaged_bytes", summary.damaged_bytes},
             {"start_ns", all.start_time},
             {"end_ns", all.end_time},
             {"duration_s", seconds_of(all)},
@@ -162,12 +167,20 @@ std::string info_json(const std::string& file, const recording::Summary& summary
 }
 
 void info(const InfoOptions& options) {
-  const recording::Summary summary = value_or_fail(recording::summarise(options.file));
+  const recording::Summary summary = [&] {
+    ReadingProgress progress(options.file.string());
+    return value_or_fail(recording::summarise(options.file, progress.callback()));
+  }();
   const std::string file = options.file.string();
   if (options.json) {
     std::puts(info_json(file, summary).c_str());
   } else {
     std::fputs(info_text(file, summary).c_str(), stdout);
+  }
+  if (summary.damaged != 0) {
+    throw Failure(Exit::kFailure, file + ": " +
+                                      damage_text(summary.damaged, summary.damaged_bytes) +
+                                      ": stof recover FILE OUT writes what is sound");
   }
 }
 
@@ -176,7 +189,8 @@ void add_info(CLI::App& app, InfoOptions& options) {
       *app.add_subcommand("info", "What a recording holds: duration, channels, sensor, gaps");
   command.footer(
       "Example: stof info hall.mcap\n"
-      "Ends with 0 (also for a cut recording: it says so) or 2 (no recording).");
+      "Ends with 0 (also for a cut recording: it says so), 1 (records in it are damaged) or 2 (no "
+      "recording).");
   command.add_option("FILE", options.file, "The recording")->required();
   command.add_flag("--json", options.json, "A JSON object");
   command.callback([&options] { info(options); });

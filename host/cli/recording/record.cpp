@@ -1,7 +1,6 @@
 #include "host/cli/recording/record.h"
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <system_error>
 
@@ -362,8 +361,6 @@ wire::RawRequest raw_request(const RecordOptions& options) {
 
 void record(const RecordOptions& options) {
   stop_on_signals();
-  // A file that may not grow any more is a full disk to us, not the end of the program.
-  static_cast<void>(std::signal(SIGXFSZ, SIG_IGN));
   RecordOptions meant = options;
   auto sink = value_or_fail(
       mcap::FileSink::open(meant.file, meant.force ? mcap::FileSink::Existing::kReplace

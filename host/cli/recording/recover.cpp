@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/failure.h"
+#include "host/cli/recording/damage_text.h"
+#include "host/cli/recording/reading_progress.h"
 #include "host/recording/mcap/recover.h"
 #include "host/text/printed.h"
 
@@ -12,26 +14,42 @@ namespace stof::host {
 
 void recover(const RecoverOptions& options) {
   const bool in_place = options.out.empty();
-  const mcap::Recovered result = value_or_fail(in_place ? mcap::recover(options.file)
-                                                        : mcap::recover(options.file, options.out));
+  if (in_place && options.force) {
+    throw Failure(Exit::kBadInput, "--force: replaces OUT: name it");
+  }
+  using Existing = mcap::FileSink::Existing;
+  const Existing existing = options.force ? Existing::kReplace : Existing::kRefuse;
+  const mcap::Recovered result = [&] {
+    ReadingProgress progress(options.file.string());
+    return value_or_fail(
+        in_place ? mcap::recover(options.file, progress.callback())
+                 : mcap::recover(options.file, options.out, existing, progress.callback()));
+  }();
   const std::string file = (in_place ? options.file : options.out).string();
   if (options.json) {
     const nlohmann::ordered_json json{{"file", file},
                                       {"was_whole", result.was_whole},
                                       {"messages", result.messages},
                                       {"cut_bytes", result.cut_bytes},
-                                      {"damaged", result.damaged}};
+                                      {"damaged", result.damaged},
+                                      {"damaged_bytes", result.damaged_bytes}};
     std::puts(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
-    return;
-  }
-  if (result.was_whole) {
+  } else if (result.was_whole) {
     std::printf("%s: is whole, nothing was changed\n", file.c_str());
-    return;
+  } else {
+    std::printf(
+        "%s: whole, %llu messages; given up: %llu bytes at the end, %llu damaged records (%llu "
+        "bytes)\n",
+        file.c_str(), static_cast<unsigned long long>(result.messages),
+        static_cast<unsigned long long>(result.cut_bytes),
+        static_cast<unsigned long long>(result.damaged),
+        static_cast<unsigned long long>(result.damaged_bytes));
   }
-  std::printf("%s: whole, %llu messages; given up: %llu bytes at the end, %llu damaged records\n",
-              file.c_str(), static_cast<unsigned long long>(result.messages),
-              static_cast<unsigned long long>(result.cut_bytes),
-              static_cast<unsigned long long>(result.damaged));
+  if (!in_place && result.damaged != 0) {
+    throw Failure(Exit::kFailure, options.file.string() + ": " +
+                                      damage_text(result.damaged, result.damaged_bytes) +
+                                      ", and are not in " + file);
+  }
 }
 
 void add_recover(CLI::App& app, RecoverOptions& options) {
@@ -41,10 +59,14 @@ void add_recover(CLI::App& app, RecoverOptions& options) {
       "Example: stof recover hall.mcap\n"
       "In place the file is cut behind its last whole record, and the index is added: no other "
       "byte "
-      "changes. Ends with 0 (FILE or OUT is whole now) or 2 (it cannot be read or written).");
+      "changes. Where anything sound follows damage, or another program writes FILE, it is refused "
+      "and stays as it is: OUT gets all that is sound.\n"
+      "Ends with 0 (FILE or OUT is whole now), 1 (OUT is whole, without records that are damaged) "
+      "or 2 (it cannot be read or written).");
   command.add_option("FILE", options.file, "The recording")->required();
   command.add_option("OUT", options.out,
                      "Leave FILE as it is, and write all that is sound in it here");
+  command.add_flag("--force", options.force, "Replace OUT where it is there");
   command.add_flag("--json", options.json, "A JSON object");
   command.callback([&options] { recover(options); });
 }

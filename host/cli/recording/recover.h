@@ -9,6 +9,7 @@ namespace stof::host {
 struct RecoverOptions {
   std::filesystem::path file;
   std::filesystem::path out;  // empty: in place
+  bool force = false;         // replaces OUT where it is there
   bool json = false;
 };
 

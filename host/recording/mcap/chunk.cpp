@@ -25,33 +25,42 @@ std::optional<RecordAt> first_record(Bytes bytes) {
   return record;
 }
 
-std::expected<void, Problem> unpack(const Chunk& chunk, std::uint64_t offset, const Limits& limits,
-                                    Buffer& out) {
+std::expected<void, Unreadable> unpack(const Chunk& chunk, const Limits& limits, Buffer& out,
+                                       std::uint64_t room) {
+  const auto refuse = [](std::string_view why, bool damaged = true) {
+    return std::unexpected(Unreadable{.why = why, .damaged = damaged});
+  };
   if (chunk.uncompressed_size > limits.chunk_bytes) {
-    return damaged("chunk", offset, "it says that it holds more than any chunk");
+    return refuse("it says that it holds more than any chunk", false);
   }
   const auto size = static_cast<std::size_t>(chunk.uncompressed_size);
   if (chunk.compression.empty()) {
     if (chunk.records.size() != size) {
-      return damaged("chunk", offset, "its lengths contradict each other");
+      return refuse("its lengths contradict each other");
     }
     out.assign(chunk.records.begin(), chunk.records.end());
   } else if (chunk.compression == "zstd") {
     // Before memory is asked for.
     if (chunk.uncompressed_size > most_zstd_bytes(chunk.records.size())) {
-      return damaged("chunk", offset, "it says that it holds more than it can");
+      return refuse("it says that it holds more than it can");
+    }
+    if (size > kAnyRatioBytes && size / kMostRatio > chunk.records.size()) {
+      return refuse("it would be more than 1024 times as large unpacked", false);
+    }
+    if (size > room) {
+      return refuse("the file would be more than 4096 times as large unpacked", false);
     }
     out.resize(size);
     if (!decompress_zstd(chunk.records, out)) {
       out.clear();
-      return damaged("chunk", offset, "it cannot be decompressed");
+      return refuse("it cannot be decompressed");
     }
   } else {
-    return damaged("chunk", offset, "its compression is not known here (zstd is)");
+    return refuse("its compression is not known here (zstd is)", false);
   }
   if (chunk.uncompressed_crc != 0 && crc32(out) != chunk.uncompressed_crc) {
     out.clear();
-    return damaged("chunk", offset, "its CRC is another one");
+    return refuse("its CRC is another one");
   }
   return {};
 }

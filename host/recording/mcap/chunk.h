@@ -2,8 +2,11 @@
 
 #include <expected>
 #include <optional>
+#include <string_view>
 
-#include "host/recording/mcap/reader.h"
+#include "host/recording/mcap/limits.h"
+#include "host/recording/mcap/record_at.h"
+#include "host/recording/mcap/storage.h"
 
 // What both readers do with records.
 namespace stof::mcap {
@@ -14,8 +17,14 @@ std::unexpected<Problem> damaged(std::string_view what, std::uint64_t offset, st
 // The head of the record that begins at the begin of `bytes`: its content is there, or nothing.
 std::optional<RecordAt> first_record(Bytes bytes);
 
-// The content of a chunk record that begins at `offset`, into `out`.
-std::expected<void, Problem> unpack(const Chunk& chunk, std::uint64_t offset, const Limits& limits,
-                                    Buffer& out);
+// Why a chunk has no content here. damaged: nobody can read it; else another reader may.
+struct Unreadable {
+  std::string_view why{};
+  bool damaged = true;
+};
+
+// The content of a chunk into `out`. room: bytes that it may unpack to, beside the limits.
+std::expected<void, Unreadable> unpack(const Chunk& chunk, const Limits& limits, Buffer& out,
+                                       std::uint64_t room = ~std::uint64_t{0});
 
 }  // namespace stof::mcap

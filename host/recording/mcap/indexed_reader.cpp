@@ -1,8 +1,9 @@
+#include "host/recording/mcap/indexed_reader.h"
+
 #include <algorithm>
 
 #include "host/recording/mcap/chunk.h"
 #include "host/recording/mcap/crc32.h"
-#include "host/recording/mcap/reader.h"
 #include "host/recording/mcap/record_bytes.h"
 
 namespace stof::mcap {
@@ -177,7 +178,10 @@ std::expected<void, Problem> IndexedReader::open_chunk(const ChunkIndex& chunk) 
   if (!packed) {
     return damaged("chunk", chunk.chunk_offset, "it is not where the index says");
   }
-  return unpack(*packed, chunk.chunk_offset, limits_, chunk_);
+  if (const auto done = unpack(*packed, limits_, chunk_); !done) {
+    return damaged("chunk", chunk.chunk_offset, done.error().why);
+  }
+  return {};
 }
 
 // length: of the whole record, as the index says; 0: it does not say.

@@ -13,6 +13,12 @@ std::unexpected<Problem> in_file(const std::filesystem::path& file, const Proble
   return std::unexpected(Problem{file.string() + ": " + problem.message});
 }
 
+void tell(const Progress& progress, const StreamReader& reader, const ByteSource& source) {
+  if (progress) {
+    progress(reader.position(), source.size());
+  }
+}
+
 // Of the first `size` bytes.
 std::expected<Crc32, Problem> crc_of(const ByteSource& source, std::uint64_t size) {
   constexpr std::uint64_t kPiece = std::uint64_t{1} << 20;
@@ -28,22 +34,27 @@ std::expected<Crc32, Problem> crc_of(const ByteSource& source, std::uint64_t siz
   return crc;
 }
 
-bool has_index(const ByteSource& source) { return IndexedReader::open(source).has_value(); }
-
 // Begin of the damaged records at the end of the file, if there are any: a power cut may leave what
 // was not flushed. A problem: something sound follows them.
-std::expected<std::optional<std::uint64_t>, Problem> read_to_end(StreamReader& reader) {
+std::expected<std::optional<std::uint64_t>, Problem> read_to_end(
+    StreamReader& reader, const std::function<void()>& tell) {
   std::optional<std::uint64_t> first_damaged;
   std::string what;
   while (true) {
+    tell();
     const auto item = reader.next();
     if (!item) {
-      first_damaged = first_damaged.value_or(reader.record_offset());
+      first_damaged =
+          std::min(reader.record_offset(), first_damaged.value_or(reader.record_offset()));
       what = what.empty() ? item.error().message : what;
-    } else if (!*item) {
+    } else if (!*item && reader.can_index_in_place()) {
       return first_damaged;
+    } else if (!*item && !first_damaged) {
+      return std::unexpected(
+          Problem{"ids in it mean two things, or its end cannot be judged: give "
+                  "OUT, a file that gets what is sound"});
     } else if (first_damaged) {
-      return std::unexpected(Problem{what + ": give OUT, a file that gets the rest"});
+      return std::unexpected(Problem{what + ": give OUT, a file that gets what is sound"});
     }
   }
 }
@@ -68,7 +79,8 @@ Buffer index_last_chunk(const StreamReader& reader, FileIndex& index, std::uint6
 
 }  // namespace
 
-std::expected<Recovered, Problem> recover(const std::filesystem::path& file) {
+std::expected<Recovered, Problem> recover(const std::filesystem::path& file,
+                                          const Progress& progress) {
   auto source = FileSource::open(file);
   if (!source) {
     return std::unexpected(source.error());
@@ -77,14 +89,18 @@ std::expected<Recovered, Problem> recover(const std::filesystem::path& file) {
   if (!reader) {
     return in_file(file, reader.error());
   }
-  const auto damage = read_to_end(*reader);
+  if (auto done = source->lock(file); !done) {
+    return std::unexpected(done.error());
+  }
+  const auto damage = read_to_end(*reader, [&] { tell(progress, *reader, *source); });
   if (!damage) {
     return in_file(file, damage.error());
   }
   const std::optional<std::uint64_t> first_damaged = *damage;
   Recovered result{.messages = reader->index().statistics.message_count,
-                   .damaged = first_damaged ? 1U : 0U};
-  if (!first_damaged && reader->end() == StreamReader::End::kWhole && has_index(*source)) {
+                   .damaged = first_damaged ? 1U : 0U,
+                   .damaged_bytes = reader->damaged_bytes()};
+  if (!first_damaged && reader->end() == StreamReader::End::kWhole && reader->indexed()) {
     result.was_whole = true;
     return result;
   }
@@ -141,6 +157,7 @@ class Copy {
 
  private:
   std::expected<std::uint16_t, Problem> channel(std::uint16_t id) {
+    // Ids of a reader stand for one channel for ever.
     if (const auto known = ids_.find(id); known != ids_.end()) {
       return known->second;
     }
@@ -163,7 +180,12 @@ class Copy {
 }  // namespace
 
 std::expected<Recovered, Problem> recover(const std::filesystem::path& file,
-                                          const std::filesystem::path& out) {
+                                          const std::filesystem::path& out,
+                                          FileSink::Existing existing, const Progress& progress) {
+  std::error_code none;
+  if (std::filesystem::equivalent(file, out, none)) {
+    return dataset::refuse(out, "is the recording itself", "leave OUT away, or give another name");
+  }
   auto source = FileSource::open(file);
   if (!source) {
     return std::unexpected(source.error());
@@ -172,7 +194,7 @@ std::expected<Recovered, Problem> recover(const std::filesystem::path& file,
   if (!reader) {
     return in_file(file, reader.error());
   }
-  auto sink = FileSink::open(out, FileSink::Existing::kRefuse);
+  auto sink = FileSink::open(out, existing);
   if (!sink) {
     return std::unexpected(sink.error());
   }
@@ -184,6 +206,7 @@ std::expected<Recovered, Problem> recover(const std::filesystem::path& file,
   Recovered result;
   Copy copy(*reader, *writer);
   while (true) {
+    tell(progress, *reader, *source);
     const auto item = reader->next();
     if (!item) {
       ++result.damaged;
@@ -197,6 +220,7 @@ std::expected<Recovered, Problem> recover(const std::filesystem::path& file,
       return std::unexpected(done.error());
     }
   }
+  result.damaged_bytes = reader->damaged_bytes();
   result.cut_bytes =
       reader->end() == StreamReader::End::kWhole ? 0 : source->size() - reader->whole_until();
   if (auto done = writer->finish(); !done) {

@@ -6,10 +6,12 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "dataset/files/file.h"
+#include "posix/named_file.h"
 
 namespace stof::mcap {
 namespace {
@@ -26,7 +28,10 @@ const char* remedy(int error) {
     case ENOTDIR:
       return "check the path and make the folder";
     case EISDIR:
+    case ENXIO:
       return "give the name of a file";
+    case ELOOP:
+      return "a link is not written through: give the name of the file itself";
     default:
       return "check the path, its permissions and the disk";
   }
@@ -45,6 +50,17 @@ bool is_regular(int fd, std::uint64_t& size) {
   return true;
 }
 
+// Keeps all others out until the descriptor is closed. A file system without locks keeps nobody
+// out.
+bool is_free(const posix::Fd& fd) {
+  return flock(fd.get(), LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+}
+
+std::unexpected<Problem> in_use(const std::filesystem::path& file) {
+  return dataset::refuse(file, "is being written by another program",
+                         "wait until that ends, or give another name");
+}
+
 }  // namespace
 
 std::expected<FileSink, Problem> FileSink::open(const std::filesystem::path& file,
@@ -54,40 +70,41 @@ std::expected<FileSink, Problem> FileSink::open(const std::filesystem::path& fil
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     return dataset::refuse(file, "is not a file", "give the name of a file");
   }
-  int flags = O_WRONLY | O_CLOEXEC;
-  switch (existing) {
-    case Existing::kRefuse:
-      flags |= O_CREAT | O_EXCL;
-      break;
-    case Existing::kReplace:
-      flags |= O_CREAT | O_TRUNC;
-      break;
-    case Existing::kAppend:
-      flags |= O_APPEND;
-      break;
+  if (existing == Existing::kRefuse) {
+    auto created = posix::create_named_file(file.string());
+    if (!created) {
+      return refuse(file, created.error());
+    }
+    static_cast<void>(is_free(*created));
+    return FileSink(file, std::move(*created));
   }
-  constexpr mode_t kMode = 0644;
-  const int fd = ::open(file.c_str(), flags, kMode);
-  if (fd < 0) {
+  auto opened = posix::open_named_file(file.string(), false);
+  std::uint64_t size = 0;
+  if (!opened) {
+    return refuse(file, opened.error());
+  }
+  if (!is_regular(opened->get(), size)) {
+    return dataset::refuse(file, "is not a file", "give the name of a file");
+  }
+  if (existing == Existing::kAppend) {
+    return lseek(opened->get(), 0, SEEK_END) < 0
+               ? std::expected<FileSink, Problem>(refuse(file, errno))
+               : FileSink(file, std::move(*opened));
+  }
+  if (!is_free(*opened)) {  // before it is emptied
+    return in_use(file);
+  }
+  if (ftruncate(opened->get(), 0) != 0) {
     return refuse(file, errno);
   }
-  return FileSink(file, fd);
-}
-
-FileSink::FileSink(FileSink&& other) noexcept
-    : file_(std::move(other.file_)), fd_(std::exchange(other.fd_, -1)) {}
-
-FileSink::~FileSink() {
-  if (fd_ >= 0) {
-    ::close(fd_);
-  }
+  return FileSink(file, std::move(*opened));
 }
 
 std::unexpected<Problem> FileSink::problem(int error) const { return refuse(file_, error); }
 
 std::expected<void, Problem> FileSink::write(Bytes bytes) {
   while (!bytes.empty()) {
-    const ssize_t written = ::write(fd_, bytes.data(), bytes.size());
+    const ssize_t written = ::write(fd_.get(), bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) {
       continue;
     }
@@ -100,7 +117,7 @@ std::expected<void, Problem> FileSink::write(Bytes bytes) {
 }
 
 std::expected<void, Problem> FileSink::sync() {
-  if (fdatasync(fd_) != 0 && errno != EINVAL) {  // EINVAL: nothing that can be flushed
+  if (fdatasync(fd_.get()) != 0 && errno != EINVAL) {  // EINVAL: nothing that can be flushed
     return problem(errno);
   }
   return {};
@@ -108,7 +125,7 @@ std::expected<void, Problem> FileSink::sync() {
 
 std::expected<void, Problem> FileSink::cut_to(std::uint64_t size) {
   const auto end = static_cast<off_t>(size);
-  if (ftruncate(fd_, end) != 0 || lseek(fd_, end, SEEK_SET) != end) {
+  if (ftruncate(fd_.get(), end) != 0 || lseek(fd_.get(), end, SEEK_SET) != end) {
     return problem(errno);
   }
   return {};
@@ -121,25 +138,19 @@ std::expected<FileSource, Problem> FileSource::open(const std::filesystem::path&
         file, std::filesystem::exists(file, error) ? "is not a file" : "does not exist",
         "give a recording");
   }
-  const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) {
+  posix::Fd fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!fd.is_open()) {
     return refuse(file, errno);
   }
   std::uint64_t size = 0;
-  if (!is_regular(fd, size)) {
-    ::close(fd);
+  if (!is_regular(fd.get(), size)) {
     return dataset::refuse(file, "is not a file", "give a recording");
   }
-  return FileSource(fd, size);
+  return FileSource(std::move(fd), size);
 }
 
-FileSource::FileSource(FileSource&& other) noexcept
-    : fd_(std::exchange(other.fd_, -1)), size_(other.size_) {}
-
-FileSource::~FileSource() {
-  if (fd_ >= 0) {
-    ::close(fd_);
-  }
+std::expected<void, Problem> FileSource::lock(const std::filesystem::path& file) {
+  return is_free(fd_) ? std::expected<void, Problem>() : in_use(file);
 }
 
 bool FileSource::read(std::uint64_t offset, std::span<std::byte> to) const {
@@ -147,7 +158,7 @@ bool FileSource::read(std::uint64_t offset, std::span<std::byte> to) const {
     return false;
   }
   while (!to.empty()) {
-    const ssize_t count = pread(fd_, to.data(), to.size(), static_cast<off_t>(offset));
+    const ssize_t count = pread(fd_.get(), to.data(), to.size(), static_cast<off_t>(offset));
     if (count < 0 && errno == EINTR) {
       continue;
     }

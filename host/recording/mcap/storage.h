@@ -8,6 +8,7 @@
 
 #include "dataset/image.h"
 #include "host/recording/mcap/bytes.h"
+#include "posix/fd.h"
 
 // Where a recording's bytes go to and come from.
 namespace stof::mcap {
@@ -47,41 +48,37 @@ class FileSink : public ByteSink {
   enum class Existing : std::uint8_t {
     kRefuse,   // there must be no file of the name
     kReplace,  // what it had is gone
-    kAppend,   // goes on behind what it has
+    kAppend,   // goes on behind what it has; who asks for it holds FileSource::lock()
   };
-  // Refuses what is not a regular file (devices, pipes, folders).
+  // Refuses what is not a regular file (devices, pipes, folders, links). Nobody else may write it
+  // meanwhile: a second sink of the same file is refused, in any program.
   static std::expected<FileSink, Problem> open(const std::filesystem::path& file,
                                                Existing existing);
-  FileSink(FileSink&& other) noexcept;
-  FileSink& operator=(FileSink&&) = delete;
-  ~FileSink() override;
-
   std::expected<void, Problem> write(Bytes bytes) override;
   std::expected<void, Problem> sync() override;
   std::expected<void, Problem> cut_to(std::uint64_t size) override;
 
  private:
-  FileSink(std::filesystem::path file, int fd) : file_(std::move(file)), fd_(fd) {}
+  FileSink(std::filesystem::path file, posix::Fd&& fd)
+      : file_(std::move(file)), fd_(std::move(fd)) {}
   std::unexpected<Problem> problem(int error) const;
 
   std::filesystem::path file_;
-  int fd_;
+  posix::Fd fd_;
 };
 
 class FileSource : public ByteSource {
  public:
   // Regular files only.
   static std::expected<FileSource, Problem> open(const std::filesystem::path& file);
-  FileSource(FileSource&& other) noexcept;
-  FileSource& operator=(FileSource&&) = delete;
-  ~FileSource() override;
-
+  // Refuses where a FileSink writes the file; keeps others from it while this lives.
+  std::expected<void, Problem> lock(const std::filesystem::path& file);
   std::uint64_t size() const override { return size_; }
   bool read(std::uint64_t offset, std::span<std::byte> to) const override;
 
  private:
-  FileSource(int fd, std::uint64_t size) : fd_(fd), size_(size) {}
-  int fd_;
+  FileSource(posix::Fd&& fd, std::uint64_t size) : fd_(std::move(fd)), size_(size) {}
+  posix::Fd fd_;
   std::uint64_t size_;
 };
 

@@ -235,6 +235,93 @@ class Record(unittest.TestCase):
         self.assertEqual(tum, expected)
         self.assertEqual(len((self.folder / "tum" / "rgb.txt").read_text().splitlines()), 4)
 
+    def damaged(self, name, *places):
+        """The whole recording with other bytes at these places."""
+        data = bytearray(self.whole.read_bytes())
+        for place in places:
+            data[place] ^= 0x10
+        path = self.folder / name
+        path.write_bytes(data)
+        return path
+
+    def chunks(self):
+        """Begin and length of each chunk's record."""
+        data, at, found = self.whole.read_bytes(), 8, []
+        while data[at] != 0x0F:
+            length = 9 + struct.unpack_from("<Q", data, at + 1)[0]
+            found += [(at, length)] if data[at] == 6 else []
+            at += length
+        return found
+
+    def test_damage_in_the_middle_is_the_same_to_all(self):
+        """One bit of the first chunk's kind, of its length, and of its content."""
+        chunks = self.chunks()
+        if len(chunks) < 2:
+            self.skipTest("all frames came at once")
+        begin, length = chunks[0]
+        for place in (begin, begin + 2, begin + length - 5):
+            file = self.damaged("damaged.mcap", place)
+            before = file.read_bytes()
+            ended = self.stof("info", file, "--json")
+            info = json.loads(ended.stdout)
+            self.assertEqual((ended.returncode, info["damaged"]), (1, 1), ended.stderr)
+            self.assertGreaterEqual(info["damaged_bytes"], length)
+            self.assertLess(info["frames"], 12)
+            ended = self.stof("export", file, "--to", "rest", "--as", "csv", "--json")
+            exported = json.loads(ended.stdout)
+            self.assertEqual((ended.returncode, exported["frames"], exported["damaged"]), (1, info["frames"], 1))
+            self.refuse(2, "give OUT", "recover", file)
+            self.assertEqual(file.read_bytes(), before)
+            out = self.folder / "sound.mcap"
+            self.refuse(1, "1 records in it are damaged", "recover", file, out, "--force")
+            self.assertEqual(json.loads(self.succeed("info", out, "--json"))["frames"], info["frames"])
+        self.refuse(2, "--force", "recover", self.whole, out)
+        self.refuse(2, "name it", "recover", self.whole, "--force")
+
+    def test_recording_without_a_sound_frame_says_why(self):
+        file = self.damaged("none.mcap", *(begin + length - 5 for begin, length in self.chunks()))
+        self.refuse(1, "records in it are damaged", "export", file, "--to", "nothing", "--as", "ply")
+
+    def test_full_disk_ends_each_export_with_1(self):
+        for how in ("png16", "ply", "pcd", "csv", "tum"):
+            self.refuse(1, "make room", "export", self.whole, "--to", f"full_{how}", "--as", how,
+                        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100)))
+
+    def test_exports_follow_no_links_and_wait_at_no_pipes(self):
+        target = self.folder / "target"
+        target.write_text("kept")
+        for how, name in (("png16", "000000.png"), ("ply", "000000.ply"), ("pcd", "000000.pcd"), ("csv", "frames.csv"), ("tum", "depth.txt")):
+            for kind in ("link", "pipe"):
+                folder = self.folder / f"{kind}_{how}"
+                folder.mkdir()
+                if kind == "link":
+                    (folder / name).symlink_to(target)
+                else:
+                    os.mkfifo(folder / name)
+                self.refuse(1, "cannot be written", "export", self.whole, "--to", folder, "--as", how, "--frames", 1)
+        folder = self.folder / "link_folder"
+        folder.mkdir()
+        (folder / "depth").symlink_to(self.folder)
+        self.refuse(2, "is a link", "export", self.whole, "--to", folder, "--as", "tum", "--frames", 1)
+        (self.folder / "link.mcap").symlink_to(target)
+        self.refuse(2, "a link is not written through", "record", "127.0.0.1:9", self.folder / "link.mcap", "--force")
+        self.assertEqual(target.read_text(), "kept")
+
+    def test_a_file_that_is_being_written_is_left_alone(self):
+        file = self.folder / "busy.mcap"
+        recording = subprocess.Popen([*COMMAND, "record", self.place, str(file)], cwd=self.folder, stdout=subprocess.PIPE, text=True)
+        for line in recording.stdout:
+            if "frames recorded" in line:
+                break
+        self.refuse(2, "being written", "record", self.place, file, "--force", "--frames", 1)
+        self.refuse(2, "being written", "recover", file)
+        recording.send_signal(signal.SIGINT)
+        recording.communicate(timeout=60)
+        self.assertEqual(recording.returncode, 0)
+        info = json.loads(self.succeed("info", file, "--json"))
+        self.assertTrue(info["indexed"])
+        self.assertGreater(info["frames"], 0)
+
     @staticmethod
     def png_values(png):
         """Pixels of a 16-bit grey picture."""

@@ -1,5 +1,6 @@
 #include "host/recording/recording.h"
 
+#include <fstream>
 #include <mutex>
 #include <random>
 
@@ -145,6 +146,17 @@ TEST_F(RecordingTest, SummaryCountsFramesAndGaps) {
   EXPECT_EQ(cut->gaps.size(), 2U);
   EXPECT_EQ(cut->sensor, summary->sensor);
   EXPECT_EQ(cut->index.statistics.message_count, summary->index.statistics.message_count);
+}
+
+TEST_F(RecordingTest, FramesThatComeAgainAreNoGap) {
+  const auto file = write({10, 11, 12});
+  std::ifstream stream(file, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(stream)), {});
+  const auto summary = recording::summarise(put("twice.mcap", bytes + bytes));
+  ASSERT_TRUE(summary);
+  EXPECT_EQ(summary->frames, 6U);
+  EXPECT_EQ(summary->frames_missing, 0U);
+  EXPECT_EQ(summary->damaged, 1U);
 }
 
 TEST_F(RecordingTest, FilesThatCannotBeARecordingAreFoundAtOnce) {
