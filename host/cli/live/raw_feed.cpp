@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -61,11 +63,18 @@ std::optional<dsp::Pinhole> lens_of(const wire::CalibrationPacket& told, int wid
 }  // namespace
 
 struct RawFeed::Parts {
-  Parts(const ReceiveOptions& where, const RawFeedOptions& what)
-      : options(where), receiver(open_receiver(options, request_of(what))) {}
+  Parts(ReceiveOptions where, const RawFeedOptions& what)
+      : options(std::move(where)), receiver(open_receiver(options, request_of(what))) {}
 
-  // Of the thread, until it ends.
+  // The thread.
   void run(const std::stop_token& stop) {
+    if (const std::optional<std::string> why = receive(stop)) {
+      give_up(*why);
+    }
+  }
+
+  // Takes pictures until it is told to stop, or why there will be no more.
+  std::optional<std::string> receive(const std::stop_token& stop) {
     constexpr std::chrono::milliseconds kLook{50};
     const std::chrono::duration<double> patience(options.timeout_s);
     client::Time heard = Clock::now();
@@ -83,20 +92,21 @@ struct RawFeed::Parts {
           statistics.packets() - statistics.not_signed - statistics.forged;
       heard = std::exchange(packets, heard_of) != heard_of ? now : heard;
       if (failed) {
-        return give_up("the socket failed: start again");
+        return "the socket failed: start again";
       }
       if (now - heard > patience) {
-        return give_up(place_of(options, receiver) +
-                       (packets == 0 ? ": no packet came" : ": the sensor fell silent") +
-                       silence_text(receiver, options.device));
+        return place_of(options, receiver) +
+               (packets == 0 ? ": no packet came" : ": the sensor fell silent") +
+               silence_text(receiver, options.device);
       }
       // Who is denied them is so for good; another one's end some time.
       if (now - seen > 2 * patience ||
           receiver.raw_refusal() == wire::SubscribeResult::kRawDenied) {
-        return give_up(place_of(options, receiver) + ": no raw pictures came" +
-                       raw_absence(receiver.raw_refusal()));
+        return place_of(options, receiver) + ": no raw pictures came" +
+               raw_absence(receiver.raw_refusal());
       }
     }
+    return std::nullopt;
   }
 
   bool take_raw() {
