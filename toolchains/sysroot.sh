@@ -9,6 +9,7 @@ packages=(
   libgpiod-dev libusb-1.0-0-dev libcamera-dev                         # devices
   libsodium-dev                                                       # firmware/wire/crypto
   libeigen3-dev                                                       # dsp/calib
+  libzstd-dev                                                         # recordings, which board emu replays
   libcli11-dev nlohmann-json3-dev libpng-dev libgtest-dev  # host programs, tests
 )
 root=$(cd "$(dirname "$0")/.." && pwd)

@@ -48,7 +48,8 @@ class RecordedRigTest : public Scratch {
     board::SceneOptions scene;
     scene.size = hal::emu::Size{kWidth, kHeight};
     scene.pmd = hal::emu::Size{8, 6};
-    const dsp::Calibration calibration = board::render_world(scene).imagery->calibration();
+    const auto world = board::render_world(scene);  // the calibration looks into it
+    const dsp::Calibration calibration = world.imagery->calibration();
     std::string file(wire::calibration_file_bytes(calibration), '\0');
     EXPECT_TRUE(
         wire::encode_calibration_file(calibration, std::as_writable_bytes(std::span(file))));
