@@ -10,13 +10,14 @@ import subprocess
 import tempfile
 
 TRIAL = pathlib.Path(__file__).with_name("trial.sh")
+PLACE = "var/tmp/stof"  # in the system: packages, newer ones, the trial and what it says
 BOOT_LIMIT_S = 600
 # What a system changes by itself, by apt and by dpkg.
 OF_THE_SYSTEM = re.compile(r"(var/(cache|log|lib/(apt|dpkg|systemd|private|ucf|pam)|tmp)|tmp|run|root|proc|sys|dev)(/|$)"
                            r"|etc/(ld\.so\.cache|resolv\.conf|machine-id|\.updated|\.pwd\.lock|passwd|group|g?shadow|sub[ug]id)-?$|var/\.updated$|etc$")
-UNIT = """[Service]
+UNIT = f"""[Service]
 Type=oneshot
-ExecStart=/bin/sh /root/trial.sh
+ExecStart=/bin/sh /{PLACE}/trial.sh
 ExecStopPost=/bin/systemctl --no-block poweroff
 """
 
@@ -79,7 +80,7 @@ def accounts(root):
 
 def booted(root):
     """Boots the system, which runs the trial and powers off; the trial's lines."""
-    shutil.copyfile(TRIAL, root / "root/trial.sh")
+    shutil.copyfile(TRIAL, root / PLACE / "trial.sh")
     unit = root / "etc/systemd/system/stof-trial.service"
     unit.write_text(UNIT)
     wanted = root / "etc/systemd/system/multi-user.target.wants/stof-trial.service"
@@ -99,7 +100,7 @@ def booted(root):
                 os.killpg(container.pid, signal.SIGKILL)
     wanted.unlink()
     unit.unlink()
-    trial = root / "root/trial"
+    trial = root / PLACE / "trial"
     if not trial.exists():
         raise CheckError(f"the container did not boot: {(root.parent / 'console').read_text(errors='replace').strip().splitlines()[-1:]}")
     return trial.read_text().splitlines()
@@ -122,15 +123,15 @@ def newer(packages, folder):
 def needed_by(root, packages):
     """Names of Debian's packages that an installation of these brings along."""
     own = {run("dpkg-deb", "-f", package, "Package").strip() for package in packages}
-    said = apt(root, "install", "--simulate", "-y", *(f"/root/packages/{package.name}" for package in packages))
+    said = apt(root, "install", "--simulate", "-y", *(f"/{PLACE}/packages/{package.name}" for package in packages))
     return sorted(set(re.findall(r"^Inst (\S+)", said, re.MULTILINE)) - own)
 
 
 def check(suite, packages, folder):
     """Lines `ok WHAT` and `FAILED WHAT` of packages in a fresh Debian `suite`."""
     with unpacked(base(suite, folder)) as root:
-        debs = root / "root/packages"
-        debs.mkdir()
+        debs = root / PLACE / "packages"
+        debs.mkdir(parents=True)
         for package in packages:
             shutil.copyfile(package, debs / package.name)
         apt(root, "update")
@@ -139,9 +140,9 @@ def check(suite, packages, folder):
         if needed:
             apt(root, "install", "-y", "--no-install-recommends", *needed)
         before, known = files(root), accounts(root)
-        apt(root, "install", "-y", *(f"/root/packages/{package.name}" for package in packages))
+        apt(root, "install", "-y", *(f"/{PLACE}/packages/{package.name}" for package in packages))
         lines = ["ok apt install ./*.deb"]
-        newer(packages, root / "root/newer")
+        newer(packages, root / PLACE / "newer")
         lines += booted(root)
         if lines[-1:] != ["end"]:
             lines.append("FAILED the trial came to its end")
@@ -149,5 +150,5 @@ def check(suite, packages, folder):
         lines.append(f"FAILED purge leaves nothing: {', '.join(left[:10])}" if left else "ok purge leaves nothing")
         new = sorted(accounts(root) - known)
         lines.append(f"FAILED purge leaves no user: {', '.join(new)}" if new else "ok purge leaves no user")
-        shutil.copyfile(root / "root/trial.log", folder / f"{suite}.log")
+        shutil.copyfile(root / PLACE / "trial.log", folder / f"{suite}.log")
         return [line for line in lines if line != "end"]

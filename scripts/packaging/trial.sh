@@ -1,7 +1,8 @@
 #!/bin/sh
-# In a booted container that has stof's packages and, in /root/newer, the same in a newer version: tries them, upgrades and
-# purges them. A line each goes to /root/trial: `ok WHAT` or `FAILED WHAT`. scripts/package --check starts it.
-exec >>/root/trial 2>/root/trial.log
+# In a booted container that has stof's packages and, in `newer` beside this file, the same in a newer version: tries them,
+# upgrades and purges them. A line each goes to `trial`: `ok WHAT` or `FAILED WHAT`. scripts/package --check starts it.
+here=$(dirname "$0")
+exec >>"$here/trial" 2>"$here/trial.log"
 set -x
 export DEBIAN_FRONTEND=noninteractive
 
@@ -38,7 +39,7 @@ with stof.open("127.0.0.1") as sensor:
 
 echo '# of its owner' >>/etc/default/stofd
 before=$(pid)
-try "it is upgraded" dpkg -i /root/newer/*.deb
+try "it is upgraded" dpkg -i "$here"/newer/*.deb
 try "the upgrade starts it anew" soon sh -c "systemctl -q is-active stofd.service && test \$(systemctl show -P MainPID stofd.service) != $before"
 try "an edited conffile stays" grep -q '# of its owner' /etc/default/stofd
 # shellcheck disable=SC2046
