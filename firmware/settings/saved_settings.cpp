@@ -234,8 +234,7 @@ StartSettings load_settings(const SettingsStores& stores, std::string_view place
   if (!counted) {
     line << place
          << ".trial: cannot be written: starts that fail with these settings are not counted, so "
-            "the last "
-            "good ones will not come back: make it a file, or remove it";
+            "the last good ones will not come back: make it a file, or remove it";
   }
   return start;
 }
