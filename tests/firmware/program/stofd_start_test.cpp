@@ -247,24 +247,20 @@ TEST_F(StofdStart, SecretsThatOthersCouldReadAreTold) {
   }
 }
 
-// The best of some tries: other programs share this machine.
-TEST_F(StofdStart, EndsWithinATenthOfASecondAndTellsItsHealthAtAnyPeriod) {
+// That it looks within 100 ms whether it shall end: Appliance.HealthComesOnceASecondAtAnyPeriod, by an emulated clock.
+TEST_F(StofdStart, EndsAndTellsItsHealthLongBeforeItsNextEdge) {
   write("settings.json", R"({"period_ms": 60000})");
-  Clock::duration best = 1min;
-  for (int attempt = 0; attempt < 5 && best > 100ms; ++attempt) {
-    const Socket socket;
-    const Stofd stofd(small({"--settings", path("settings.json"), "--to", socket.destination}));
-    const auto first = hear_health(socket, 0);
-    const auto second = hear_health(socket, 0);
-    const auto third = hear_health(socket, 0);
-    ASSERT_TRUE(first && second && third);
-    EXPECT_LT(third->uptime_ms, 30'000U);
-    const Clock::time_point asked = Clock::now();
-    stofd.signal(SIGTERM);
-    EXPECT_EQ(stofd.end().code, 0);
-    best = std::min(best, Clock::now() - asked);
-  }
-  EXPECT_LE(best, 100ms);
+  const Socket socket;
+  const Clock::time_point started = Clock::now();
+  const Stofd stofd(small({"--settings", path("settings.json"), "--to", socket.destination}));
+  const auto first = hear_health(socket, 0);
+  const auto second = hear_health(socket, 0);
+  const auto third = hear_health(socket, 0);
+  ASSERT_TRUE(first && second && third);
+  EXPECT_LT(third->uptime_ms, 30'000U);
+  stofd.signal(SIGTERM);
+  EXPECT_EQ(stofd.end().code, 0);
+  EXPECT_LE(Clock::now() - started, 50s) << "it waited for an edge";
 }
 
 }  // namespace
