@@ -3,6 +3,7 @@
 #include <exception>
 #include <new>
 
+#include "host/cli/bridge/bridge.h"
 #include "host/cli/calib.h"
 #include "host/cli/config/config.h"
 #include "host/cli/discover.h"
@@ -58,6 +59,7 @@ struct Commands {
   RecoverOptions recover;
   ExportOptions exported;
   ReplayOptions replay;
+  BridgeOptions bridge;
 };
 
 void add_evaluate(CLI::App& app, Commands& commands) {
@@ -141,6 +143,7 @@ int run(int argc, char** argv) {
   add_recover(app, commands.recover);
   add_export(app, commands.exported);
   add_replay(app, commands.replay);
+  add_bridge(app, commands.bridge);
   add_report(app, commands.report);
   add_calib(app, commands.calib_pmd, commands.calib_install, commands.calib_rig);
   add_config(app, commands.config);

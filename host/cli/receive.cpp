@@ -76,11 +76,7 @@ void tell_port(const ReceiveOptions& options, const client::Receiver& receiver) 
   }
 }
 
-void add_subscription_flags(CLI::App& command, ReceiveOptions& options) {
-  command
-      .add_option("--timeout", options.timeout_s, "Give up after so many seconds without a packet")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+void add_key_flags(CLI::App& command, ReceiveOptions& options) {
   command.add_flag("--signed", options.signed_streams,
                    "Subscribe with your key of the sensor, and take only what it signs for "
                    "this program: nobody else can send a frame");
@@ -92,14 +88,26 @@ void add_subscription_flags(CLI::App& command, ReceiveOptions& options) {
                      "8 digits, of your key of the sensor, of --signed: only it is believed");
 }
 
-void add_receive_flags(CLI::App& command, ReceiveOptions& options) {
+void add_place_flags(CLI::App& command, ReceiveOptions& options) {
   command.add_option("--port", options.port, "UDP port to listen at, 0: any free one")
       ->capture_default_str();
   command.add_option("--bind", options.bind, "Address of the interface to listen at")
       ->capture_default_str();
-  add_subscription_flags(command, options);
   command.add_option("--port-file", options.port_file,
                      "File that gets the number of the opened port");
+}
+
+void add_subscription_flags(CLI::App& command, ReceiveOptions& options) {
+  command
+      .add_option("--timeout", options.timeout_s, "Give up after so many seconds without a packet")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  add_key_flags(command, options);
+}
+
+void add_receive_flags(CLI::App& command, ReceiveOptions& options) {
+  add_place_flags(command, options);
+  add_subscription_flags(command, options);
 }
 
 void judge_receive_options(const ReceiveOptions& options) {

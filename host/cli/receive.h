@@ -24,6 +24,10 @@ struct ReceiveOptions {
   std::string key;  // id of the one that alone counts, of signed streams; empty: of those there are
 };
 
+// With which key, and whom to believe.
+void add_key_flags(CLI::App& command, ReceiveOptions& options);
+// Where to listen.
+void add_place_flags(CLI::App& command, ReceiveOptions& options);
 // How long to wait, and with which key: of commands that always subscribe.
 void add_subscription_flags(CLI::App& command, ReceiveOptions& options);
 // All of them but the sensor.

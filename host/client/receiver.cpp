@@ -244,6 +244,10 @@ std::uint32_t Receiver::proven_key() const noexcept {
   return parts_->subscription ? parts_->subscription->proven_key() : 0;
 }
 
+std::optional<Duration> Receiver::round_trip() const noexcept {
+  return parts_->subscription ? parts_->subscription->round_trip() : std::nullopt;
+}
+
 bool Receiver::take_refusal() noexcept { return parts_->socket->take_refusal(); }
 
 int Receiver::fd() const noexcept { return parts_->socket->fd(); }

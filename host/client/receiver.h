@@ -83,6 +83,7 @@ class Receiver {
   // As those of Subscription.
   std::optional<std::uint32_t> other_sensor() const noexcept;
   std::uint32_t proven_key() const noexcept;
+  std::optional<Duration> round_trip() const noexcept;
   // Whether the sensor's computer answered that nobody listens there, since the last call.
   bool take_refusal() noexcept;
   // Readable when next(0) has something to do; so is it when next_due() has passed.

@@ -10,7 +10,12 @@
 namespace stof::recording {
 namespace {
 
-constexpr std::uint32_t kUnitUm = 250;  // without a calibration: what every sensor sends
+// Without a calibration: what every sensor sends.
+constexpr std::uint32_t kUnitUm = 250;
+
+std::uint32_t unit_um(const client::Frame& frame) noexcept {
+  return frame.calibration ? frame.calibration->depth_unit_um : kUnitUm;
+}
 
 // The messages of one frame: they share number, time and header.
 class FrameMessages {
@@ -114,13 +119,30 @@ std::uint64_t LogClock::at(client::Time time) const noexcept {
   return static_cast<std::uint64_t>(std::max<std::int64_t>(0, wall_ns_ + since.count()));
 }
 
+Buffer encode_depth_mm(const MessageHeader& header, const client::Frame& frame) {
+  const std::uint32_t unit = unit_um(frame);
+  std::vector<std::uint16_t> pixels;
+  pixels.reserve(static_cast<std::size_t>(frame.depth.width()) *
+                 static_cast<std::size_t>(frame.depth.height()));
+  for (int y = 0; y < frame.depth.height(); ++y) {
+    for (const dsp::QuarterMm depth : frame.depth.row(y)) {
+      pixels.push_back(millimetres(depth, unit));
+    }
+  }
+  return encode(Image{.header = header,
+                      .width = static_cast<std::uint32_t>(frame.depth.width()),
+                      .height = static_cast<std::uint32_t>(frame.depth.height()),
+                      .encoding = "16UC1",
+                      .data = std::as_bytes(std::span(pixels))});
+}
+
 void append_frame(TopicMessages& to, const client::Frame& frame, std::uint64_t log_time) {
   FrameMessages messages(to, frame, log_time);
   messages.info();
-  const std::uint32_t unit = frame.calibration ? frame.calibration->depth_unit_um : kUnitUm;
   const auto as_it_is = [](auto pixel) { return pixel; };
-  messages.image(Topic::kDepthMm, frame.depth,
-                 [unit](dsp::QuarterMm depth) { return millimetres(depth, unit); });
+  if (!frame.depth.empty()) {
+    messages.add(Topic::kDepthMm, encode_depth_mm(messages.header(), frame));
+  }
   messages.image(Topic::kDepth, frame.depth, as_it_is);
   messages.image(Topic::kWidth, frame.interval_width, as_it_is);
   messages.sources();
@@ -164,9 +186,10 @@ void append_health(TopicMessages& to, wire::Origin origin, const wire::HealthRep
                                       .origin = origin,
                                       .type = wire::PacketType::kHealth,
                                       .payload = payload})});
+  const std::array status{health_status("stof: health", origin.device_id, health)};
   to.push_back({.topic = Topic::kDiagnostics,
                 .log_time = log_time,
-                .data = encode_diagnostics(header, origin.device_id, health)});
+                .data = encode_diagnostics(header, status)});
 }
 
 void append_event(TopicMessages& to, wire::Origin origin, const wire::EventReport& event,

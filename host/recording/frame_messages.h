@@ -31,6 +31,8 @@ class LogClock {
   std::int64_t wall_ns_;
 };
 
+// The frame's depth as sensor_msgs/msg/Image, 16UC1 in whole millimetres, 0 = none.
+Buffer encode_depth_mm(const MessageHeader& header, const client::Frame& frame);
 // A received frame as messages; of images that are empty none.
 void append_frame(TopicMessages& to, const client::Frame& frame, std::uint64_t log_time);
 // What a sensor says beside its frames; `beside`: the newest frame.

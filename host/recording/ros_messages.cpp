@@ -54,6 +54,42 @@ diagnostic_msgs/KeyValue[] values
 
 constexpr const char* kKeyValueText = "string key\nstring value\n";
 
+constexpr const char* kPointCloudText = R"(std_msgs/Header header
+uint32 height
+uint32 width
+sensor_msgs/PointField[] fields
+bool is_bigendian
+uint32 point_step
+uint32 row_step
+uint8[] data
+bool is_dense
+)";
+
+constexpr const char* kPointFieldText = R"(uint8 INT8=1
+uint8 UINT8=2
+uint8 INT16=3
+uint8 UINT16=4
+uint8 INT32=5
+uint8 UINT32=6
+uint8 FLOAT32=7
+uint8 FLOAT64=8
+string name
+uint32 offset
+uint8 datatype
+uint32 count
+)";
+
+constexpr const char* kTransformsText = "geometry_msgs/TransformStamped[] transforms\n";
+constexpr const char* kTransformStampedText = R"(std_msgs/Header header
+string child_frame_id
+geometry_msgs/Transform transform
+)";
+constexpr const char* kTransformText = R"(geometry_msgs/Vector3 translation
+geometry_msgs/Quaternion rotation
+)";
+constexpr const char* kVectorText = "float64 x\nfloat64 y\nfloat64 z\n";
+constexpr const char* kQuaternionText = "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n";
+
 constexpr const char* kPacketText = R"(std_msgs/Header header
 uint32 device_id
 uint32 session_id
@@ -135,6 +171,19 @@ mcap::Schema diagnostics_schema() {
                     {"diagnostic_msgs/DiagnosticStatus", kStatusText},
                     {"diagnostic_msgs/KeyValue", kKeyValueText}});
 }
+mcap::Schema point_cloud_schema() {
+  return schema_of("sensor_msgs/msg/PointCloud2", kPointCloudText,
+                   {kHeaderPart, kTimePart, {"sensor_msgs/PointField", kPointFieldText}});
+}
+mcap::Schema transforms_schema() {
+  return schema_of("tf2_msgs/msg/TFMessage", kTransformsText,
+                   {{"geometry_msgs/TransformStamped", kTransformStampedText},
+                    kHeaderPart,
+                    kTimePart,
+                    {"geometry_msgs/Transform", kTransformText},
+                    {"geometry_msgs/Vector3", kVectorText},
+                    {"geometry_msgs/Quaternion", kQuaternionText}});
+}
 mcap::Schema packet_schema() {
   return schema_of("stof_msgs/msg/Packet", kPacketText, {kHeaderPart, kTimePart});
 }
@@ -201,47 +250,104 @@ Buffer encode_camera_info(const MessageHeader& header, const wire::CalibrationPa
   return std::move(to).take();
 }
 
-Buffer encode_diagnostics(const MessageHeader& header, std::uint32_t device_id,
-                          const wire::HealthReport& health) {
-  using Entry = std::pair<std::string, std::string>;
-  std::vector<Entry> values{{"uptime_ms", std::to_string(health.uptime_ms)},
-                            {"severity", std::to_string(static_cast<int>(health.severity))},
-                            {"reaction", std::to_string(static_cast<int>(health.reaction))},
-                            {"subscribers", std::to_string(health.subscribers)},
-                            {"rate_millihertz", std::to_string(health.rate_millihertz)},
-                            {"latency_us", std::to_string(health.latency_us)},
-                            {"longest_latency_us", std::to_string(health.longest_latency_us)},
-                            {"settings_revision", std::to_string(health.settings_revision)},
-                            {"edges", std::to_string(health.counters.edges)},
-                            {"frames_published", std::to_string(health.counters.frames_published)},
-                            {"mispaired", std::to_string(health.counters.mispaired)},
-                            {"timeouts", std::to_string(health.counters.timeouts)},
-                            {"deadline_misses", std::to_string(health.counters.deadline_misses)},
-                            {"link_drops", std::to_string(health.counters.link_drops)},
-                            {"packets_sent", std::to_string(health.packets_sent)}};
-  std::string message;
+DiagnosticStatus health_status(std::string name, std::uint32_t device_id,
+                               const wire::HealthReport& health) {
+  DiagnosticStatus status{.name = std::move(name), .hardware_id = std::to_string(device_id)};
+  status.values = {{"uptime_ms", std::to_string(health.uptime_ms)},
+                   {"severity", std::to_string(static_cast<int>(health.severity))},
+                   {"reaction", std::to_string(static_cast<int>(health.reaction))},
+                   {"subscribers", std::to_string(health.subscribers)},
+                   {"rate_millihertz", std::to_string(health.rate_millihertz)},
+                   {"latency_us", std::to_string(health.latency_us)},
+                   {"longest_latency_us", std::to_string(health.longest_latency_us)},
+                   {"settings_revision", std::to_string(health.settings_revision)},
+                   {"edges", std::to_string(health.counters.edges)},
+                   {"frames_published", std::to_string(health.counters.frames_published)},
+                   {"mispaired", std::to_string(health.counters.mispaired)},
+                   {"timeouts", std::to_string(health.counters.timeouts)},
+                   {"deadline_misses", std::to_string(health.counters.deadline_misses)},
+                   {"link_drops", std::to_string(health.counters.link_drops)},
+                   {"packets_sent", std::to_string(health.packets_sent)}};
   for (std::uint8_t k = 0; k < 32; ++k) {
     if (((health.active >> k) & 1U) == 0) {
       continue;
     }
     const wire::ConditionInfo* const info = wire::info_of(static_cast<wire::Condition>(k));
-    const std::string name = info != nullptr ? info->name : "condition_" + std::to_string(k);
-    values.emplace_back(name, info != nullptr ? info->text : "of a newer sensor");
-    message += (message.empty() ? "" : ", ") + name;
+    const std::string condition = info != nullptr ? info->name : "condition_" + std::to_string(k);
+    status.values.emplace_back(condition, info != nullptr ? info->text : "of a newer sensor");
+    status.message += (status.message.empty() ? "" : ", ") + condition;
   }
-  constexpr std::array<std::uint8_t, 4> kLevels{0, 1, 1, 2};  // info, minor, major, critical
+  if (status.message.empty()) {
+    status.message = "good";
+  }
+  using Level = DiagnosticLevel;
+  // Of info, minor, major and critical.
+  constexpr std::array<Level, 4> kLevels{Level::kOk, Level::kWarn, Level::kWarn, Level::kError};
   const auto severity = static_cast<std::size_t>(health.severity);
+  status.level = kLevels[std::min(severity, kLevels.size() - 1)];
+  return status;
+}
+
+Buffer encode_diagnostics(const MessageHeader& header, std::span<const DiagnosticStatus> statuses) {
   CdrWriter to;
   put_header(to, header);
-  to.number(std::uint32_t{1});
-  to.number(kLevels[std::min(severity, kLevels.size() - 1)]);
-  to.text("stof: health");
-  to.text(message.empty() ? "good" : message);
-  to.text(std::to_string(device_id));
-  to.number(static_cast<std::uint32_t>(values.size()));
-  for (const auto& [key, value] : values) {
-    to.text(key);
-    to.text(value);
+  to.number(static_cast<std::uint32_t>(statuses.size()));
+  for (const DiagnosticStatus& status : statuses) {
+    to.number(static_cast<std::uint8_t>(status.level));
+    to.text(status.name);
+    to.text(status.message);
+    to.text(status.hardware_id);
+    to.number(static_cast<std::uint32_t>(status.values.size()));
+    for (const auto& [key, value] : status.values) {
+      to.text(key);
+      to.text(value);
+    }
+  }
+  return std::move(to).take();
+}
+
+Buffer encode_point_cloud(const MessageHeader& header, std::span<const client::Point> points) {
+  constexpr std::array<const char*, 4> kFields{"x", "y", "z", "z_width"};
+  constexpr std::uint32_t kPointStep = kFields.size() * sizeof(float);
+  constexpr std::uint8_t kFloat32 = 7;
+  constexpr std::size_t kHead = 256;
+  const auto count = static_cast<std::uint32_t>(points.size());
+  CdrWriter to;
+  to.reserve(points.size() * kPointStep + kHead);
+  put_header(to, header);
+  to.number(std::uint32_t{1});  // height
+  to.number(count);
+  to.number(static_cast<std::uint32_t>(kFields.size()));
+  for (std::uint32_t k = 0; k < kFields.size(); ++k) {
+    to.text(kFields[k]);
+    to.number(static_cast<std::uint32_t>(k * sizeof(float)));
+    to.number(kFloat32);
+    to.number(std::uint32_t{1});
+  }
+  to.number(std::uint8_t{0});  // little-endian
+  to.number(kPointStep);
+  to.number(count * kPointStep);
+  to.number(count * kPointStep);  // bytes
+  for (const client::Point& point : points) {
+    const std::array<float, kFields.size()> values{point.x, point.y, point.z, point.z_width};
+    to.raw(std::as_bytes(std::span(values)));
+  }
+  to.number(std::uint8_t{1});  // is_dense: every point has a place
+  return std::move(to).take();
+}
+
+Buffer encode_transforms(std::int64_t stamp_ns, std::span<const Transform> transforms) {
+  CdrWriter to;
+  to.number(static_cast<std::uint32_t>(transforms.size()));
+  for (const Transform& transform : transforms) {
+    put_header(to, {.stamp_ns = stamp_ns, .frame_id = transform.parent});
+    to.text(transform.child);
+    for (const double value : transform.translation_m) {
+      to.number(value);
+    }
+    for (const double value : transform.rotation) {
+      to.number(value);
+    }
   }
   return std::move(to).take();
 }

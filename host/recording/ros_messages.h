@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "firmware/wire/messages/calibration.h"
 #include "firmware/wire/messages/health.h"
 #include "firmware/wire/packet.h"
+#include "host/client/frame/point_cloud.h"
 #include "host/recording/cdr.h"
 #include "host/recording/mcap/records.h"
 
@@ -21,8 +23,10 @@ namespace stof::recording {
 mcap::Schema image_schema();
 mcap::Schema camera_info_schema();
 mcap::Schema diagnostics_schema();
-mcap::Schema packet_schema();  // stof_msgs/msg/Packet
-mcap::Schema string_schema();  // std_msgs/msg/String
+mcap::Schema point_cloud_schema();
+mcap::Schema transforms_schema();  // tf2_msgs/msg/TFMessage
+mcap::Schema packet_schema();      // stof_msgs/msg/Packet
+mcap::Schema string_schema();      // std_msgs/msg/String
 
 inline constexpr std::string_view kOpticalFrame = "stof_left_optical_frame";
 
@@ -47,10 +51,34 @@ std::optional<Image> decode_image(Bytes message);
 // sensor_msgs/msg/CameraInfo of the rectified left camera: no distortion.
 Buffer encode_camera_info(const MessageHeader& header, const wire::CalibrationPacket& calibration);
 
-// diagnostic_msgs/msg/DiagnosticArray with one status: the health of the sensor and, by name, each
-// active condition and each figure.
-Buffer encode_diagnostics(const MessageHeader& header, std::uint32_t device_id,
-                          const wire::HealthReport& health);
+// diagnostic_msgs/msg/DiagnosticStatus.
+enum class DiagnosticLevel : std::uint8_t { kOk = 0, kWarn = 1, kError = 2, kStale = 3 };
+struct DiagnosticStatus {
+  DiagnosticLevel level = DiagnosticLevel::kOk;
+  std::string name{};
+  std::string message{};
+  std::string hardware_id{};
+  std::vector<std::pair<std::string, std::string>> values{};
+};
+// The health of a sensor: each active condition and each figure by its name.
+DiagnosticStatus health_status(std::string name, std::uint32_t device_id,
+                               const wire::HealthReport& health);
+// diagnostic_msgs/msg/DiagnosticArray.
+Buffer encode_diagnostics(const MessageHeader& header, std::span<const DiagnosticStatus> statuses);
+
+// sensor_msgs/msg/PointCloud2, unordered: float32 x, y, z and z_width, metres, of
+// client::point_cloud().
+Buffer encode_point_cloud(const MessageHeader& header, std::span<const client::Point> points);
+
+// geometry_msgs/msg/TransformStamped: where `child` is in `parent`.
+struct Transform {
+  std::string parent{};
+  std::string child{};
+  std::array<double, 3> translation_m{};
+  std::array<double, 4> rotation{0, 0, 0, 1};  // unit quaternion x, y, z, w
+};
+// tf2_msgs/msg/TFMessage.
+Buffer encode_transforms(std::int64_t stamp_ns, std::span<const Transform> transforms);
 
 // What docs/WIRE.md calls a packet: its payload with what is known from its header. For what no
 // type of ROS holds whole.

@@ -75,6 +75,9 @@ bool Subscription::take(std::span<const std::byte> datagram, Time now) {
     // Who signs lets nobody else use up a request.
     if (!signs() || type == PacketType::kSignedAnswer) {
       answered_ = answer->request_id;
+      if (answer->request_id == request_) {
+        round_trip_ = std::min(round_trip_.value_or(now - asked_), now - asked_);
+      }
     }
     answered(*answer, now);
   }

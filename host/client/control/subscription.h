@@ -78,6 +78,9 @@ class Subscription {
   // Of signed streams: what they are signed with; number 0: not known yet.
   const wire::StreamKey& stream_key() const noexcept { return stream_key_; }
   std::uint32_t session() const noexcept { return signer_ ? signer_->session_id() : 0; }
+  // The shortest time from a request to its answer, as this program saw it: an answer's way back
+  // takes no longer. None: no request was answered yet.
+  std::optional<Duration> round_trip() const noexcept { return round_trip_; }
   // Asks at once that what comes from now on is signed with a new key; at most once a second.
   void renew_key(Time now);
   // When the newest key was asked for: whatever it signs was sent after that.
@@ -110,6 +113,7 @@ class Subscription {
   std::optional<Time> renewed_;
   std::optional<Time> reread_;
   Time asked_ = Time::min();  // the newest request
+  std::optional<Duration> round_trip_;
   Time key_asked_ = Time::min();
   std::uint32_t proven_key_ = 0;
   wire::DatagramBuffer buffer_{};

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "host/bridge/topics.h"
+#include "host/cli/bridge/bridge.h"
+
+namespace stof::host {
+
+// Whether SENSOR names a recording.
+bool is_file(const BridgeOptions& options);
+
+// Until a signal comes, or a recording is over. Throws Failure.
+void bridge_ros2(const BridgeOptions& options, const bridge::Mount& mount);
+
+}  // namespace stof::host
