@@ -125,11 +125,12 @@ bool Publisher::wanted(Topic topic) {
          status.current_count > 0;
 }
 
-void Publisher::drain(std::chrono::milliseconds longest) {
+bool Publisher::drain(std::chrono::milliseconds longest) {
   const dds_time_t until = dds_time() + DDS_MSECS(longest.count());
-  for (const Parts::Writer& writer : parts_->writers) {
-    dds_wait_for_acks(writer.entity, std::max<dds_duration_t>(until - dds_time(), 0));
-  }
+  return std::ranges::all_of(parts_->writers, [&](const Parts::Writer& writer) {
+    const dds_duration_t left = std::max<dds_duration_t>(until - dds_time(), 0);
+    return dds_wait_for_acks(writer.entity, left) == DDS_RETCODE_OK;
+  });
 }
 
 }  // namespace stof::bridge

@@ -29,8 +29,8 @@ class Publisher final : public TopicSink {
 
   bool wanted(Topic topic) override;
   bool publish(Topic topic, recording::Buffer&& message) override;
-  // Until all readers have what was published, or so long has passed.
-  void drain(std::chrono::milliseconds longest);
+  // Waits until all readers have what was published; false: so long has passed.
+  bool drain(std::chrono::milliseconds longest);
 
  private:
   struct Parts;

@@ -229,6 +229,7 @@ class FileBridge {
            !publisher_.wanted(bridge::Topic::kPoints)) {
       std::this_thread::sleep_for(kLook);
     }
+    sleep_until(client::Time::clock::now() + seconds(1));  // its other readers, and it us
   }
 
   static void sleep_until(client::Time then) {

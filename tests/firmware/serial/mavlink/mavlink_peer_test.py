@@ -5,12 +5,13 @@ no network."""
 
 import json
 import pathlib
-import shutil
 import subprocess
 import sys
 import tempfile
 
-# Pinned: what was tested, and what a later release cannot change.
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "support"))
+from npm_packages import fetch  # noqa: E402
+
 PACKAGES = ("node-mavlink@2.3.0", "mavlink-mappings@1.0.21-20250824-1")
 COUNT = 1000
 KINDS = ("HEARTBEAT", "OBSTACLE_DISTANCE", "DISTANCE_SENSOR")
@@ -22,30 +23,13 @@ def skip(why):
     sys.exit(77)
 
 
-def fetch(folder):
-    """Installs the packages into the folder, unless they are there."""
-    if shutil.which("node") is None or shutil.which("npm") is None:
-        skip("there is no node or no npm on this machine")
-    done = folder / "fetched"
-    if done.is_file() and done.read_text(encoding="utf-8").split() == list(PACKAGES):
-        return
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "package.json").write_text('{"private": true}\n', encoding="utf-8")
-    command = ["npm", "install", "--no-audit", "--no-fund", "--ignore-scripts", "--save-exact", *PACKAGES]
-    try:
-        ended = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120)
-    except subprocess.TimeoutExpired:
-        skip("npm did not answer within two minutes")
-    if ended.returncode != 0:
-        skip("npm could not fetch " + " and ".join(PACKAGES) + ": " + ended.stderr.strip().split("\n")[-1])
-    done.write_text(" ".join(PACKAGES), encoding="utf-8")
-
-
 def main():
     split = sys.argv.index("--")
     folder = pathlib.Path(sys.argv[1]).resolve()
     command = sys.argv[split + 1:]
-    fetch(folder)
+    missing = fetch(folder, PACKAGES)
+    if missing is not None:
+        skip(missing)
     with tempfile.TemporaryDirectory(prefix="stof_") as scratch:
         frames, expected = (str(pathlib.Path(scratch) / name) for name in ("frames", "expected"))
         subprocess.run([*command, str(COUNT), frames, expected], check=True, timeout=60)
