@@ -15,15 +15,16 @@ namespace {
 
 // The high-water mark is above all that KEEP_LAST keeps, so that no reader makes a writer wait. A
 // user's own settings come behind and win.
-constexpr const char* kConfiguration =
-    "<General><MaxMessageSize>1400B</MaxMessageSize><FragmentSize>1344B</FragmentSize>"
-    "<MaxRexmitMessageSize>1400B</MaxRexmitMessageSize></General>"
-    "<Internal><Watermarks><WhcHigh>64MB</WhcHigh></Watermarks></Internal>";
-
-std::string configuration() {
+std::string configuration(unsigned fragment) {
+  constexpr unsigned kHeaders = 56;  // of a fragment in its datagram
+  const std::string datagram = std::to_string(fragment + kHeaders);
+  const std::string ours = "<General><MaxMessageSize>" + datagram +
+                           "B</MaxMessageSize><MaxRexmitMessageSize>" + datagram +
+                           "B</MaxRexmitMessageSize><FragmentSize>" + std::to_string(fragment) +
+                           "B</FragmentSize></General><Internal><Watermarks><WhcHigh>64MB"
+                           "</WhcHigh></Watermarks></Internal>";
   const char* const users = std::getenv("CYCLONEDDS_URI");  // NOLINT: before there are threads
-  return users == nullptr || *users == '\0' ? std::string(kConfiguration)
-                                            : std::string(kConfiguration) + "," + users;
+  return users == nullptr || *users == '\0' ? ours : ours + "," + users;
 }
 
 std::string trouble(const std::string& what, dds_return_t code) {
@@ -88,7 +89,7 @@ struct Publisher::Parts {
 
 std::expected<Publisher, std::string> Publisher::open(const PublisherOptions& options) {
   auto parts = std::make_unique<Parts>();
-  parts->domain = dds_create_domain(options.domain, configuration().c_str());
+  parts->domain = dds_create_domain(options.domain, configuration(options.fragment).c_str());
   if (parts->domain < 0) {
     return std::unexpected(trouble(
         "DDS domain " + std::to_string(options.domain) + ": check the network and CYCLONEDDS_URI",

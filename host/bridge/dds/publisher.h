@@ -10,15 +10,22 @@
 
 namespace stof::bridge {
 
+// Fits an Ethernet frame with all headers, also those of a tunnel. A larger one saves time between
+// programs of one computer, and is many IP fragments on a network, of which each lost one costs
+// all.
+inline constexpr unsigned kNetworkFragment = 1344;
+inline constexpr unsigned kLeastFragment = 512;
+inline constexpr unsigned kMostFragment = 60'000;
+
 struct PublisherOptions {
   std::uint32_t domain = 0;
-  std::string name_space = "stof";  // good_namespace()
+  unsigned fragment = kNetworkFragment;  // bytes of a message that a datagram has at most
+  std::string name_space = "stof";       // good_namespace()
 };
 
 // The topics of one sensor, to whoever reads them in the domain, over Cyclone DDS: reliable writers
-// that keep the newest messages of a topic and never wait for a reader, type hashes in USER_DATA,
-// fragments of at most 1,344 bytes in datagrams of at most 1,400. CYCLONEDDS_URI adds to the
-// configuration, as usual.
+// that keep the newest messages of a topic and never wait for a reader, and type hashes in
+// USER_DATA. CYCLONEDDS_URI adds to the configuration, as usual.
 class Publisher final : public TopicSink {
  public:
   // The error: one line.

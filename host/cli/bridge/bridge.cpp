@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "host/bridge/block_cloud.h"
+#include "host/bridge/dds/publisher.h"
 #include "host/bridge/topics.h"
 #include "host/cli/bridge/ros2.h"
 #include "host/cli/failure.h"
@@ -108,6 +109,13 @@ void add_bridge(CLI::App& app, BridgeOptions& options) {
       .add_option("--cloud-step", options.cloud_step,
                   "Side of the block of pixels that a point of the cloud is of; 0: no cloud")
       ->check(CLI::Range(0, bridge::kMostCloudStep))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--fragment", options.fragment,
+          "Bytes of a message in a datagram at most; 60000 saves time where all readers are "
+          "on this computer")
+      ->check(CLI::Range(bridge::kLeastFragment, bridge::kMostFragment))
       ->capture_default_str();
   command.add_option("--mount", options.mount,
                      "PARENT:X,Y,Z[,ROLL,PITCH,YAW], metres and radians: where the sensor is in "
