@@ -4,12 +4,15 @@
 namespace stof::host {
 
 void add_bridge(CLI::App& app, BridgeOptions& /*options*/) {
-  CLI::App& bridge = *app.add_subcommand("bridge", "Not in this build (scripts/setup bridge)");
-  bridge.allow_extras();
-  bridge.callback([] {
-    throw Failure(Exit::kBadInput,
-                  "bridge: this stof was built without it: run scripts/setup bridge, configure "
-                  "with -DSTOF_BRIDGE=ON, and build again");
+  CLI::App& bridge = *app.add_subcommand("bridge", "Pass depth on as a robot's middleware has it");
+  bridge.require_subcommand(1);
+  CLI::App& ros2 = *bridge.add_subcommand("ros2", "Not in this build (scripts/setup bridge)");
+  ros2.allow_extras();
+  ros2.callback([] {
+    throw Failure(
+        Exit::kBadInput,
+        "bridge ros2: this stof was built without it: run scripts/setup bridge, configure "
+        "with -DSTOF_BRIDGE=ON, and build again");
   });
 }
 

@@ -99,12 +99,12 @@ class CommandLine(Program):
     def test_help_names_every_command_and_the_exit_codes(self):
         self.assertIn("Ends with 0", self.succeed("--help"))
         found = self.commands_of()
-        self.assertLessEqual({"calib", "config", "discover", "evaluate", "proxy", "report", "view"}, set(found))
+        self.assertLessEqual({"bridge", "calib", "config", "discover", "evaluate", "proxy", "report", "view"}, set(found))
         for command in found:
             below = self.commands_of(command)
             for inner in below:
                 self.assertEqual(self.commands_of(command, inner), [])
-            self.assertEqual(bool(below), command in ("calib", "evaluate"), command)
+            self.assertEqual(bool(below), command in ("bridge", "calib", "evaluate"), command)
 
     def test_version_is_the_projects(self):
         self.assertRegex(self.succeed("--version"), r"^stof \d+\.\d+\.\d+\n$")
@@ -185,6 +185,12 @@ class BadInput(Program):
             with self.subTest(arguments):
                 self.refuse(2, [], "calib", *arguments)
                 self.assertFalse((self.folder / "a").exists())
+
+    def test_bridge(self):
+        """Refused in every build, likewise; what only one with the bridge refuses is in tests/host/bridge."""
+        for arguments in ([], ["ros2"], ["ros1", "a"], ["ros2", "a", "--namespace", "9a"], ["ros2", "a", "--cloud-step", "65"]):
+            with self.subTest(arguments):
+                self.refuse(2, [], "bridge", *arguments)
 
     def test_numbers_that_are_none(self):
         """Every option that takes a real number, of every command."""
