@@ -45,7 +45,8 @@ using Types = std::map<std::string, Fields>;  // by full name
 // "std_msgs/msg/Header" of "std_msgs/Header".
 std::string full_name(std::string_view name) {
   const std::size_t slash = name.find('/');
-  const bool is_short = slash != std::string_view::npos && name.find('/', slash + 1) == name.npos;
+  const bool is_short =
+      slash != std::string_view::npos && name.find('/', slash + 1) == std::string_view::npos;
   return is_short ? std::string(name.substr(0, slash)) + "/msg" + std::string(name.substr(slash))
                   : std::string(name);
 }

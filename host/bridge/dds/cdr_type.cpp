@@ -12,10 +12,10 @@ namespace stof::bridge {
 namespace {
 
 struct CdrMessage : ddsi_serdata {
-  CdrMessage(const ddsi_sertype* type, ddsi_serdata_kind kind, recording::Buffer&& message)
+  CdrMessage(const ddsi_sertype* of_type, ddsi_serdata_kind of_kind, recording::Buffer&& message)
       : ddsi_serdata{}, size(message.size()), bytes(std::move(message)) {
-    ddsi_serdata_init(this, type, kind);
-    hash = type->serdata_basehash;
+    ddsi_serdata_init(this, of_type, of_kind);
+    hash = of_type->serdata_basehash;
     constexpr std::size_t kWord = 4;  // what is sent is a multiple of it
     bytes.resize((size + kWord - 1) / kWord * kWord);
   }

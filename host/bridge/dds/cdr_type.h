@@ -4,8 +4,8 @@
 
 #include "host/recording/cdr.h"
 
-struct ddsi_serdata;
-struct ddsi_sertype;
+struct ddsi_serdata;  // NOLINT: names of Cyclone
+struct ddsi_sertype;  // NOLINT
 
 // Messages that are serialised already, as Cyclone DDS takes them: types without a key, of which it
 // knows the name and nothing else. One thread may make messages while Cyclone's send earlier ones.

@@ -50,7 +50,8 @@ class TimesFile {
   }
   void add(std::uint32_t number, std::int64_t stamp_ns, std::int64_t last_packet_ns) {
     if (file_.is_open()) {
-      file_ << number << ' ' << stamp_ns << ' ' << last_packet_ns << ' ' << wall_ns() << std::endl;
+      file_ << number << ' ' << stamp_ns << ' ' << last_packet_ns << ' ' << wall_ns() << '\n';
+      file_.flush();
       check();
     }
   }
@@ -69,7 +70,10 @@ class TimesFile {
 class LiveBridge {
  public:
   LiveBridge(const BridgeOptions& options, bridge::RobotFeed& feed)
-      : options_(options), feed_(feed), times_(options.times), receiver_(open_receiver(options_)) {
+      : options_(static_cast<const ReceiveOptions&>(options)),
+        feed_(feed),
+        times_(options.times),
+        receiver_(open_receiver(options_)) {
     say("publishing " + place_of(options_, *receiver_) + " as /" + options.name_space +
         "/depth/image_raw and its neighbours, DDS domain " + std::to_string(options.domain));
     if (const std::string advice = receiver_->advice(); !advice.empty()) {

@@ -370,7 +370,7 @@ struct Arguments {
   std::uint32_t domain = 0;
   double seconds = 0;
   bool best_effort = false;
-  std::map<std::string, int> wanted;
+  std::map<std::string, int> wanted{};
 };
 
 Arguments arguments_of(int argc, char** argv) {
