@@ -119,6 +119,22 @@ TEST_F(SubscriptionTest, ALostKeepAliveIsRepeatedSoon) {
 
 // Somebody who replays the sensor's last answer must not keep us from renewing until the lease
 // ends.
+TEST_F(SubscriptionTest, RoundTripIsTheShortestOfAnsweredRequests) {
+  EXPECT_FALSE(subscription_.round_trip());
+  const wire::Subscribe first = asked(kStart);
+  const wire::Subscribe second = asked(kStart + 200ms);
+  // To an earlier request: when that was sent is not known any more.
+  reply(first, SubscribeResult::kCookie, kStart + 201ms);
+  EXPECT_FALSE(subscription_.round_trip());
+  reply(second, SubscribeResult::kOk, kStart + 205ms);
+  EXPECT_EQ(subscription_.round_trip(), 5ms);
+  const Time later = kStart + 205ms + 1s;
+  reply(asked(later), SubscribeResult::kOk, later + 3ms);
+  EXPECT_EQ(subscription_.round_trip(), 3ms);
+  reply(asked(later + 1004ms), SubscribeResult::kOk, later + 1024ms);
+  EXPECT_EQ(subscription_.round_trip(), 3ms);
+}
+
 TEST_F(SubscriptionTest, ARepeatedAnswerLengthensNothing) {
   const wire::Subscribe first = asked(kStart);
   reply(first, SubscribeResult::kCookie, kStart);
