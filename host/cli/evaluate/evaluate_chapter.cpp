@@ -1,12 +1,32 @@
-#include "host/cli/report.h"
-
-#include <cstdio>
+#include "host/cli/evaluate/evaluate_chapter.h"
 
 #include "host/cli/failure.h"
+#include "host/cli/help_text.h"
+#include "host/cli/output.h"
 
 namespace stof::host {
+namespace {
 
-void add_report_flags(CLI::App& command, ReportOptions& options) {
+void evaluate_chapter(const ReportOptions& options) {
+  ReportOptions asked = options;
+  if (asked.quick) {
+    asked.runs = 1;
+  }
+  asked.begins = [](const char* part) { say(std::string("measuring     ") + part); };
+  const ReportResult result = value_or_fail(write_report(asked));
+  say_text(result.summary);
+  for (const std::string& name : result.refused) {
+    say("left out      this matcher does not run: " + name);
+  }
+  say(options.out.string());
+}
+
+}  // namespace
+
+void add_evaluate_chapter(CLI::App& evaluate, ReportOptions& options) {
+  CLI::App& command = *evaluate.add_subcommand(
+      "chapter", "Repeat the book chapter's stereo experiments; one self-contained HTML page");
+  show_example(command, "stof evaluate chapter stereo/Cones stereo/Teddy --out chapter.html");
   command.add_option("DIR", options.scenes, "Folders with left.pgm, right.pgm, meta.txt")
       ->required();
   command.add_option("--corridor", options.corridor,
@@ -17,23 +37,7 @@ void add_report_flags(CLI::App& command, ReportOptions& options) {
       ->capture_default_str();
   command.add_flag("--plain", options.plain, "Adds times of the methods without vector kernels");
   command.add_flag("--quick", options.quick, "One run and small views, to see that it works");
-}
-
-void report(const ReportOptions& options) {
-  ReportOptions asked = options;
-  if (asked.quick) {
-    asked.runs = 1;
-  }
-  asked.begins = [](const char* part) {
-    std::printf("measuring     %s\n", part);
-    std::fflush(stdout);
-  };
-  const ReportResult result = value_or_fail(write_report(asked));
-  std::printf("%s", result.summary.c_str());
-  for (const std::string& name : result.refused) {
-    std::printf("left out      this matcher does not run: %s\n", name.c_str());
-  }
-  std::printf("%s\n", options.out.c_str());
+  command.callback([&options] { evaluate_chapter(options); });
 }
 
 }  // namespace stof::host

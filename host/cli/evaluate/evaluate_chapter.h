@@ -6,10 +6,7 @@
 
 namespace stof::host {
 
-// Adds the flags of `stof report`.
-void add_report_flags(CLI::App& command, ReportOptions& options);
-
-// Writes the page, prints its path and the verdicts. Throws Failure.
-void report(const ReportOptions& options);
+// Adds `stof evaluate chapter`: writes the page, prints its path and the verdicts.
+void add_evaluate_chapter(CLI::App& evaluate, ReportOptions& options);
 
 }  // namespace stof::host

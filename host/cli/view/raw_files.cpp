@@ -36,14 +36,6 @@ std::string part_text(const client::RawExposure& exposure, std::uint8_t bit, con
 
 }  // namespace
 
-dataset::Image<std::uint8_t> copy_of(const dsp::ImageView<const std::uint8_t>& picture) {
-  dataset::Image<std::uint8_t> image(picture.width(), picture.height());
-  for (int y = 0; y < image.height; ++y) {
-    std::ranges::copy(picture.row(y), image.view().row(y).begin());
-  }
-  return image;
-}
-
 dataset::Image<std::uint16_t> below_each_other(const client::RawExposure& exposure) {
   const int height = exposure.pmd.front().height();
   dataset::Image<std::uint16_t> image(exposure.pmd.front().width(),
