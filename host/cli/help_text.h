@@ -10,6 +10,10 @@ inline constexpr const char* kUsualEnds =
     "Ends with 0 (done), 1 (nothing or less than asked for was received, or the output cannot be "
     "written) or 2 (bad input: one line says what).";
 
+// Of commands that ask no sensor.
+inline constexpr const char* kFilesEnds =
+    "Ends with 0 (done), 1 (the output cannot be written) or 2 (bad input: one line says what).";
+
 // What follows the flags in a command's help: how it is called, and the exit codes. example: the
 // whole line; more of them follow in lines of their own.
 inline void show_example(CLI::App& command, const std::string& example,

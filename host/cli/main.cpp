@@ -85,7 +85,7 @@ void add_evaluate(CLI::App& app, Commands& commands) {
   EvaluateStereoOptions& stereo = commands.stereo;
   CLI::App& pair =
       *evaluate.add_subcommand("stereo", "Match stereo pairs: time, bad pixels, density");
-  show_example(pair, "stof evaluate stereo stereo/Cones stereo/Teddy --preset quality");
+  show_example(pair, "stof evaluate stereo stereo/Cones stereo/Teddy --preset quality", kFilesEnds);
   pair.add_option("DIR", stereo.scenes, "Folders with left.pgm, right.pgm, meta.txt")->required();
   add_evaluate_flags(pair, stereo, Judged::kDisparity);
   add_out_flag(pair, stereo);
@@ -95,7 +95,7 @@ void add_evaluate(CLI::App& app, Commands& commands) {
   EvaluateFusionOptions& fusion = commands.fusion;
   CLI::App& both =
       *evaluate.add_subcommand("fusion", "Fuse stereo pairs with their PMD recordings");
-  show_example(both, "stof evaluate fusion stereo/Cones tof/sim/scene/Cones_176x144");
+  show_example(both, "stof evaluate fusion stereo/Cones tof/sim/scene/Cones_176x144", kFilesEnds);
   add_fusion_flags(both, fusion);
   both.callback([&fusion] { evaluate_fusion(fusion); });
 

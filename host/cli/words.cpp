@@ -87,6 +87,9 @@ void judge_words(const CLI::App& app, std::span<char* const> words) {
     if (word == "--") {
       return;
     }
+    if (command->get_allow_extras()) {
+      return;  // it takes anything, to refuse it in its own words
+    }
     if (word.starts_with("--")) {
       judge_flag(*command, path, word);
     } else if (command->get_require_subcommand_min() > 0 && !word.starts_with("-")) {

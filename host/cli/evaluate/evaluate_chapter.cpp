@@ -26,7 +26,8 @@ void evaluate_chapter(const ReportOptions& options) {
 void add_evaluate_chapter(CLI::App& evaluate, ReportOptions& options) {
   CLI::App& command = *evaluate.add_subcommand(
       "chapter", "Repeat the book chapter's stereo experiments; one self-contained HTML page");
-  show_example(command, "stof evaluate chapter stereo/Cones stereo/Teddy --out chapter.html");
+  show_example(command, "stof evaluate chapter stereo/Cones stereo/Teddy --out chapter.html",
+               kFilesEnds);
   command.add_option("DIR", options.scenes, "Folders with left.pgm, right.pgm, meta.txt")
       ->required();
   command.add_option("--corridor", options.corridor,

@@ -25,7 +25,7 @@ void evaluate_pmd(const EvaluatePmdOptions& options) {
 void add_evaluate_pmd(CLI::App& evaluate, EvaluatePmdOptions& options) {
   CLI::App& command = *evaluate.add_subcommand(
       "pmd", "PMD recordings: walls, edges, lights, stray light, two frequencies, camera frames");
-  show_example(command, "stof evaluate pmd tof/sim --html pmd.html");
+  show_example(command, "stof evaluate pmd tof/sim --html pmd.html", kFilesEnds);
   command
       .add_option("DIR", options.folder,
                   "Folder of recordings (PREFIX.json, PREFIX_raw.pgm), or of such folders")

@@ -15,14 +15,15 @@ std::string age_text(const std::optional<client::Duration>& age);
 class LinkTeller {
  public:
   // A line where something changed since the last call, with the age of the last health; else
-  // empty. Nothing is told before the first frame.
+  // empty. Nothing is told before its first
+  // frame or health.
   std::string look(const client::LinkState& link, const std::optional<wire::HealthReport>& health);
 
   unsigned silences() const noexcept { return silences_; }
   unsigned restarts() const noexcept { return restarts_; }
 
  private:
-  bool begun_ = false;  // a frame has come
+  bool begun_ = false;  // something of it has come
   bool silent_ = false;
   bool restarted_ = false;
   unsigned silences_ = 0;

@@ -8,6 +8,7 @@
 #include "host/cli/live/reception.h"
 #include "host/cli/output.h"
 #include "host/cli/sensor/find_sensor.h"
+#include "host/cli/sensor/sensor_info.h"
 #include "host/cli/view/status_line.h"
 #include "host/discovery/discover.h"
 #include "host/recording/recording.h"
@@ -60,14 +61,8 @@ void check(const CheckOptions& options) {
 CheckFacts check_sensor(const CheckOptions& options,
                         const std::function<void(const client::Frame&)>& look,
                         const std::function<void(const wire::EventReport&)>& event) {
-  constexpr std::chrono::milliseconds kAsked{800};
   CheckFacts facts{.sensor = options.sensor, .version = options.version};
   const std::string address = sensor_address(options.sensor);
-  if (auto identity = client::ask_sensor(address, kAsked)) {
-    facts.identity = std::move(*identity);
-  } else {
-    facts.no_identity = identity.error().message;
-  }
   facts.sending_refused = sending_is_refused(address);
   Reception reception(
       options,
@@ -93,9 +88,21 @@ CheckFacts check_sensor(const CheckOptions& options,
     if (!first && reception.frames() != 0) {
       first = now;
     }
-    const std::chrono::duration<double> most(first ? options.seconds : options.timeout_s);
-    return now - first.value_or(began) >= most;
+    if (!first) {
+      return now - began >= std::chrono::duration<double>(options.timeout_s);
+    }
+    // Health and calibration come once a second.
+    const bool told = receiver.health() && receiver.calibration();
+    return now - *first >=
+           std::chrono::duration<double>(options.seconds + (told ? 0 : options.timeout_s));
   });
+  if (facts.clock == wire::ClockState::kRecorded) {
+    facts.no_identity = "a recording is played again, which does not say";
+  } else if (auto identity = ask_identity(options, reception.frames() != 0)) {
+    facts.identity = std::move(*identity);
+  } else {
+    facts.no_identity = identity.error();
+  }
   facts.all_places_taken = receiver.subscription() == client::Subscription::State::kFull;
   facts.nobody_listens = facts.nobody_listens && reception.frames() == 0;
   facts.stats.source = reception.place();

@@ -21,8 +21,7 @@ std::string look_for(const std::string& called) {
   const auto fits = [&](const client::FoundSensor& sensor) {
     return sensor.serial == called || sensor.name == called;
   };
-  const auto sensors =
-      client::discover({.timeout = std::chrono::milliseconds(1500), .wanted = fits});
+  const auto sensors = client::discover({.timeout = std::chrono::seconds(3), .wanted = fits});
   if (!sensors) {
     throw Failure(Exit::kFailure, sensors.error().message);
   }

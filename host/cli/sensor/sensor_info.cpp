@@ -28,22 +28,34 @@ Json parsed_or_null(const std::string& document) {
 
 }  // namespace
 
-SensorInfo read_sensor_info(const ReceiveOptions& options) {
-  constexpr std::chrono::milliseconds kAsked{800};
-  constexpr std::chrono::seconds kBeside{3};  // health and calibration come once a second
-  SensorInfo info;
-  if (auto identity = client::ask_sensor(sensor_address(options.sensor), kAsked)) {
-    info.identity = std::move(*identity);
+std::expected<client::FoundSensor, std::string> ask_identity(const ReceiveOptions& options,
+                                                             bool sends) {
+  const std::chrono::duration<double> patience(sends ? options.timeout_s : 1);
+  auto identity =
+      client::ask_sensor(sensor_address(options.sensor),
+                         std::chrono::duration_cast<std::chrono::milliseconds>(patience));
+  if (!identity) {
+    return std::unexpected(identity.error().message);
   }
+  return std::move(*identity);
+}
+
+SensorInfo read_sensor_info(const ReceiveOptions& options) {
+  constexpr int kTries = 3;
+  const std::chrono::duration<double> patience(options.timeout_s);
+  SensorInfo info;
+  bool replay = false;
   Reception reception(options, {.frame = [&](const client::Frame& frame) {
                         info.device_id = frame.origin.device_id;
                         info.streams = streams_line(frame);
                         info.clock = clock_text(frame.stamp.clock);
+                        replay = frame.stamp.clock == wire::ClockState::kRecorded;
                         if (frame.info) {
                           info.settings_revision = frame.info->settings_revision;
                           info.settings_fingerprint = frame.info->settings_fingerprint;
                         }
                       }});
+  // Health and calibration come once a second.
   std::optional<client::Time> began;
   reception.run([&] {
     const client::Time now = client::Time::clock::now();
@@ -51,7 +63,7 @@ SensorInfo read_sensor_info(const ReceiveOptions& options) {
     if (!began && reception.frames() != 0) {
       began = now;
     }
-    return began && ((receiver.calibration() && receiver.health()) || now - *began > kBeside);
+    return began && ((receiver.calibration() && receiver.health()) || now - *began > patience);
   });
   if (reception.frames() == 0) {
     reception.fail();
@@ -63,7 +75,15 @@ SensorInfo read_sensor_info(const ReceiveOptions& options) {
     info.health = HealthState{
         .source = info.place, .report = *receiver.health(), .age = receiver.link().health_age};
   }
-  info.documents = read_documents(options, false);
+  if (replay) {  // it answers subscriptions alone
+    return info;
+  }
+  if (auto identity = ask_identity(options, true)) {
+    info.identity = std::move(*identity);
+  }
+  for (int i = 0; i < kTries && info.documents.settings.empty(); ++i) {
+    info.documents = read_documents(options, false);
+  }
   return info;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <expected>
 #include <optional>
 #include <string>
 
@@ -27,6 +28,11 @@ struct SensorInfo {
   std::optional<HealthState> health{};
   SensorDocuments documents{};  // settings
 };
+
+// Asks it for that, for the timeout of the options where it `sends`, a second where nobody knows.
+// The error: why it is not told.
+std::expected<client::FoundSensor, std::string> ask_identity(const ReceiveOptions& options,
+                                                             bool sends);
 
 // Subscribes for a second or two. Throws Failure where no frame comes.
 SensorInfo read_sensor_info(const ReceiveOptions& options);

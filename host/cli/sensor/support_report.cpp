@@ -149,7 +149,11 @@ Files collect_sensor(const SupportReportOptions& options) {
     add_documents(options, files);
   }
   if (!newest.empty()) {
-    add_pictures(newest, files);
+    try {
+      add_pictures(newest, files);
+    } catch (const Failure& failure) {  // the temporary folder is full
+      files["frame.txt"] = std::string(failure.what()) + "\n";
+    }
   }
   return files;
 }
