@@ -8,6 +8,7 @@
 #include "host/calibrate/report/pmd_json.h"
 #include "host/calibrate/report/pmd_report.h"
 #include "host/cli/failure.h"
+#include "host/cli/help_text.h"
 #include "host/evaluate/other_camera.h"
 #include "host/report/pmd/pmd_page.h"
 
@@ -169,6 +170,9 @@ void add_calib(CLI::App& app, CalibPmdOptions& options, CalibInstallOptions& ins
   calib.require_subcommand(1);
   CLI::App& pmd = *calib.add_subcommand(
       "pmd", "A PMD sensor from a wall at known distances (docs/CALIBRATION.md)");
+  show_example(pmd, "stof calib pmd walls --start rig.cal --out rig.cal --frames even",
+               "Ends with 0 (the file is written) or 2 (bad input, walls that the model does not "
+               "explain, or the file cannot be written).");
   pmd.add_option("DIR", options.folder, "Folder of the recordings; each json says \"z_m\"")
       ->required();
   pmd.add_option("--out", options.out, "The calibration file to write")->required();

@@ -98,7 +98,8 @@ void add_calib_install(CLI::App& calib, CalibInstallOptions& options) {
       "answer: run it again) or 2 (bad input, or a file that is not of this rig: nothing "
       "changed).");
   command.add_option("WORDS", options.words,
-                     "FILE SENSOR (HOST[:PORT]); no FILE with --factory, no SENSOR with --serial");
+                     "FILE SENSOR (serial number, name or HOST[:PORT]); no FILE with --factory, no "
+                     "SENSOR with --serial");
   command.add_flag("--factory", options.factory,
                    "Go back to the calibration that the sensor had before the first install");
   add_control_flags(command, options);

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/failure.h"
+#include "host/cli/help_text.h"
+#include "host/cli/output.h"
 #include "host/client/value_names.h"
 #include "host/discovery/discover.h"
 #include "host/text/printed.h"
@@ -75,10 +77,10 @@ void discover(const DiscoverCommand& command) {
   const auto sensors =
       value_or_fail(client::discover({.timeout = timeout, .addresses = command.addresses}));
   if (command.json) {
-    std::puts(discover_json(sensors).c_str());
+    say(discover_json(sensors));
   } else {
     for (const client::FoundSensor& sensor : sensors) {
-      std::puts(discover_line(sensor).c_str());
+      say(discover_line(sensor));
     }
   }
   if (sensors.empty()) {
@@ -90,6 +92,9 @@ void discover(const DiscoverCommand& command) {
 void add_discover(CLI::App& app, DiscoverCommand& command) {
   CLI::App& discover_command =
       *app.add_subcommand("discover", "List the sensors near: serial, name, address, health");
+  show_example(discover_command, "stof discover",
+               "Ends with 0 (some were found), 1 (none, or the output cannot be written) or 2 (bad "
+               "input).");
   discover_command
       .add_option("--timeout", command.timeout_s, "Seconds to wait; a beacon comes once a second")
       ->check(CLI::Range(0.1, 3600.0))

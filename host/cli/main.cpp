@@ -2,12 +2,16 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <span>
+#include <string>
 
 #include "host/cli/bridge/bridge.h"
 #include "host/cli/calib.h"
+#include "host/cli/completion.h"
 #include "host/cli/config/config.h"
 #include "host/cli/discover.h"
 #include "host/cli/evaluate/evaluate.h"
+#include "host/cli/evaluate/evaluate_chapter.h"
 #include "host/cli/evaluate/evaluate_floor.h"
 #include "host/cli/evaluate/evaluate_fusion.h"
 #include "host/cli/evaluate/evaluate_pmd.h"
@@ -15,6 +19,8 @@
 #include "host/cli/evaluate/evaluate_stereo.h"
 #include "host/cli/failure.h"
 #include "host/cli/finite_numbers.h"
+#include "host/cli/help_text.h"
+#include "host/cli/output.h"
 #include "host/cli/pair.h"
 #include "host/cli/proxy.h"
 #include "host/cli/recording/export.h"
@@ -22,11 +28,16 @@
 #include "host/cli/recording/record.h"
 #include "host/cli/recording/recover.h"
 #include "host/cli/recording/replay.h"
-#include "host/cli/report.h"
+#include "host/cli/sensor/check.h"
+#include "host/cli/sensor/find_sensor.h"
+#include "host/cli/sensor/health.h"
+#include "host/cli/sensor/stats.h"
+#include "host/cli/sensor/support_report.h"
 #include "host/cli/update.h"
 #include "host/cli/view/raw_flags.h"
 #include "host/cli/view/replay.h"
 #include "host/cli/view/view.h"
+#include "host/cli/words.h"
 #include "posix/out_of_resources.h"
 
 namespace stof::host {
@@ -34,8 +45,9 @@ namespace {
 
 constexpr const char* kVersion = "stof " STOF_VERSION;
 constexpr const char* kFooter =
-    "Ends with 0 (done), 1 (nothing or too little was received) or 2 (bad input: one line says "
-    "what).";
+    "Example: stof discover\nExample: stof view 192.168.1.20\nExample: stof check 192.168.1.20\n"
+    "Ends with 0 (done), 1 (nothing or too little was received, or the output cannot be written) "
+    "or 2 (bad input: one line says what). Each command's --help says more.";
 
 struct Commands {
   EvaluateStereoOptions stereo;
@@ -44,7 +56,12 @@ struct Commands {
   EvaluateFloorOptions floor;
   EvaluateSequenceOptions sequence;
   ViewOptions view;
-  ReportOptions report;
+  ReportOptions chapter;
+  CompletionOptions completion;
+  StatsOptions stats;
+  HealthOptions health;
+  CheckOptions check;
+  SupportReportOptions report;
   CalibPmdOptions calib_pmd;
   CalibInstallOptions calib_install;
   CalibRigOptions calib_rig;
@@ -70,6 +87,7 @@ void add_evaluate(CLI::App& app, Commands& commands) {
   EvaluateStereoOptions& stereo = commands.stereo;
   CLI::App& pair =
       *evaluate.add_subcommand("stereo", "Match stereo pairs: time, bad pixels, density");
+  show_example(pair, "stof evaluate stereo stereo/Cones stereo/Teddy --preset quality", kFilesEnds);
   pair.add_option("DIR", stereo.scenes, "Folders with left.pgm, right.pgm, meta.txt")->required();
   add_evaluate_flags(pair, stereo, Judged::kDisparity);
   add_out_flag(pair, stereo);
@@ -79,21 +97,23 @@ void add_evaluate(CLI::App& app, Commands& commands) {
   EvaluateFusionOptions& fusion = commands.fusion;
   CLI::App& both =
       *evaluate.add_subcommand("fusion", "Fuse stereo pairs with their PMD recordings");
+  show_example(both, "stof evaluate fusion stereo/Cones tof/sim/scene/Cones_176x144", kFilesEnds);
   add_fusion_flags(both, fusion);
   both.callback([&fusion] { evaluate_fusion(fusion); });
 
   add_evaluate_pmd(evaluate, commands.pmd);
   add_evaluate_floor(evaluate, commands.floor);
   add_evaluate_sequence(evaluate, commands.sequence);
+  add_evaluate_chapter(evaluate, commands.chapter);
 }
 
 void add_view(CLI::App& app, ViewOptions& options) {
   CLI::App& view_command = *app.add_subcommand(
       "view", "Receive depth: a page in the browser, a line a second, pictures");
+  show_example(view_command, "stof view 192.168.1.20");
   view_command.add_option(
       "SENSOR", options.sensor,
-      "HOST[:PORT] of the sensor to subscribe at, port 7560 without, or a file that "
-      "stof record wrote; none: listen for a sensor that sends here");
+      std::string(kSensorOrFile) + "; none: listen for a sensor that sends here");
   add_receive_flags(view_command, options);
   view_command
       .add_option("--frames", options.frames, "End after so many frames; 0: when interrupted")
@@ -118,21 +138,13 @@ void add_view(CLI::App& app, ViewOptions& options) {
     }
     judge_receive_options(options);
     check_raw_flags(options);
-    is_recording(options) ? replay(options) : view(options);
+    is_recorded(options.sensor) ? replay(options) : view(options);
   });
-}
-
-void add_report(CLI::App& app, ReportOptions& options) {
-  CLI::App& command = *app.add_subcommand(
-      "report", "Repeat the book chapter's stereo experiments; one self-contained HTML page");
-  add_report_flags(command, options);
-  command.callback([&options] { report(options); });
 }
 
 int run(int argc, char** argv) {
   CLI::App app("Receives and measures the depth of a stof sensor.", "stof");
   app.set_version_flag("--version", kVersion);
-  app.footer(kFooter);
   app.require_subcommand(1);
   Commands commands;
   add_evaluate(app, commands);
@@ -144,13 +156,21 @@ int run(int argc, char** argv) {
   add_export(app, commands.exported);
   add_replay(app, commands.replay);
   add_bridge(app, commands.bridge);
-  add_report(app, commands.report);
+  add_stats(app, commands.stats);
+  add_health(app, commands.health);
+  add_check(app, commands.check, STOF_VERSION);
+  add_support_report(app, commands.report, STOF_VERSION);
   add_calib(app, commands.calib_pmd, commands.calib_install, commands.calib_rig);
   add_config(app, commands.config);
   add_discover(app, commands.discover);
   add_pair(app, commands.pair, commands.unpair);
   add_update(app, commands.update);
+  add_completion(app, commands.completion);
+  app.footer(kFooter);  // not one that commands inherit
   require_finite_numbers(app);
+  // When the command line was understood, before any command begins.
+  app.parse_complete_callback(need_output);
+  judge_words(app, std::span(argv, static_cast<std::size_t>(argc)).subspan(argc > 0 ? 1 : 0));
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

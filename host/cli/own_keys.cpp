@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "firmware/wire/crypto/crypto.h"
+#include "host/cli/sensor/find_sensor.h"
 #include "host/cli/serial_transport.h"
 #include "host/client/control/user_keys.h"
 
@@ -29,7 +30,7 @@ std::unique_ptr<client::ControlTransport> open_way(const char* command, const st
                   std::string(command) + ": give a sensor, HOST[:PORT], or --serial");
   }
   return sensor.empty() ? value_or_fail(open_serial_transport(serial, baud))
-                        : value_or_fail(client::open_udp_transport(sensor));
+                        : value_or_fail(client::open_udp_transport(sensor_address(sensor)));
 }
 
 std::vector<wire::Key> own_keys(const std::string& file, const wire::KeyTable& keys,

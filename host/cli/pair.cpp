@@ -18,6 +18,7 @@
 #include "firmware/wire/crypto/crypto.h"
 #include "firmware/wire/keys/key_text.h"
 #include "host/cli/failure.h"
+#include "host/cli/help_text.h"
 #include "host/cli/own_keys.h"
 #include "host/client/control/pair_client.h"
 #include "host/client/control/user_keys.h"
@@ -353,11 +354,15 @@ void pair(const PairOptions& options) {
 
 void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing) {
   const auto add_line = [](CLI::App& command, auto& into) {
-    command.add_option("SENSOR", into.sensor, "HOST[:PORT], none with --serial");
+    command.add_option("SENSOR", into.sensor,
+                       "Serial number, name or HOST[:PORT], none with --serial");
     add_control_flags(command, into);
   };
   CLI::App& command = *app.add_subcommand(
       "pair", "Make a key that a sensor and you share: press its button first, or use its cable");
+  show_example(command, "stof pair 192.168.1.20 --role tune",
+               "Ends with 0 (a key was made), 1 (no answer, refused, or the digits differ) or 2 "
+               "(bad input).");
   add_line(command, options);
   command.add_option("--code", options.code,
                      "32 hexadecimal digits of its label: nothing is asked. Better @FILE, or - for "
@@ -381,6 +386,8 @@ void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing) {
   command.callback([&options] { pair(options); });
 
   CLI::App& ending = *app.add_subcommand("unpair", "End a key of a sensor, or list them");
+  show_example(ending, "stof unpair 192.168.1.20 --list",
+               "Ends with 0 (done), 1 (no answer, or refused) or 2 (bad input).");
   add_line(ending, unpairing);
   ending.add_option("--id", unpairing.id, "Of the key, 8 digits (default: your own)");
   ending.add_flag("--list", unpairing.list, "Print which keys there are");

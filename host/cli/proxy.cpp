@@ -4,8 +4,11 @@
 
 #include "dataset/files/file.h"
 #include "host/cli/failure.h"
+#include "host/cli/help_text.h"
+#include "host/cli/output.h"
 #include "host/cli/stop_signal.h"
 #include "host/netem/relay.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -37,21 +40,18 @@ netem::RelayOptions relay_options(const ProxyOptions& options) {
           .only = direction(options.only)};
 }
 
-void print_way(const char* name, const netem::Impairment::Counts& counts) {
-  std::printf(", %s %llu in %llu out %llu lost %llu twice %llu damaged", name,
-              static_cast<unsigned long long>(counts.in),
-              static_cast<unsigned long long>(counts.out),
-              static_cast<unsigned long long>(counts.lost + counts.overflowed),
-              static_cast<unsigned long long>(counts.duplicated),
-              static_cast<unsigned long long>(counts.corrupted));
+std::string way_text(const char* name, const netem::Impairment::Counts& counts) {
+  return printed(", %s %llu in %llu out %llu lost %llu twice %llu damaged", name,
+                 static_cast<unsigned long long>(counts.in),
+                 static_cast<unsigned long long>(counts.out),
+                 static_cast<unsigned long long>(counts.lost + counts.overflowed),
+                 static_cast<unsigned long long>(counts.duplicated),
+                 static_cast<unsigned long long>(counts.corrupted));
 }
 
 void print_line(double seconds, const netem::RelayCounts& counts) {
-  std::printf("%6.1f s  %zu clients", seconds, counts.clients);
-  print_way("down", counts.down);
-  print_way("up", counts.up);
-  std::printf("\n");
-  std::fflush(stdout);
+  say(printed("%6.1f s  %zu clients", seconds, counts.clients) + way_text("down", counts.down) +
+      way_text("up", counts.up));
 }
 
 }  // namespace
@@ -62,9 +62,7 @@ void proxy(const ProxyOptions& options) {
   if (!relay) {
     throw Failure(Exit::kBadInput, relay.error());
   }
-  std::printf("passing UDP %s:%u to %s\n", options.bind.c_str(), unsigned{(*relay)->port()},
-              options.to.c_str());
-  std::fflush(stdout);
+  say("passing UDP " + options.bind + ":" + std::to_string((*relay)->port()) + " to " + options.to);
   if (!options.port_file.empty()) {
     value_or_fail(dataset::write_whole(options.port_file, std::to_string((*relay)->port()) + "\n"));
   }
@@ -91,6 +89,9 @@ void add_proxy(CLI::App& app, ProxyOptions& options) {
   constexpr double kMostMs = 10'000;
   CLI::App& command = *app.add_subcommand(
       "proxy", "Pass datagrams between receivers and a sensor as a bad network would");
+  show_example(command, "stof proxy --listen 7570 --to 192.168.1.20:7560 --loss 1",
+               "Ends with 0 (interrupted), 1 (a socket failed, or the output cannot be written) or "
+               "2 (bad input).");
   command.add_option("--listen", options.port, "UDP port for the receivers, 0: any free one")
       ->required();
   command.add_option("--bind", options.bind, "Address of the interface to listen at")

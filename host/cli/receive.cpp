@@ -3,6 +3,7 @@
 #include "dataset/files/file.h"
 #include "host/cli/failure.h"
 #include "host/cli/own_keys.h"
+#include "host/cli/sensor/find_sensor.h"
 #include "host/client/control/known_sensors.h"
 #include "host/client/control/user_keys.h"
 
@@ -27,7 +28,7 @@ client::SubscriptionOptions subscription(ReceiveOptions& options, const wire::Ra
 }  // namespace
 
 client::Receiver open_receiver(ReceiveOptions& options, const wire::RawRequest& raw) {
-  client::ReceiverOptions where{.sensor = options.sensor,
+  client::ReceiverOptions where{.sensor = sensor_address(options.sensor),
                                 .subscription = subscription(options, raw)};
   where.address = options.bind;
   where.port = options.port;

@@ -13,7 +13,7 @@
 namespace stof::host {
 
 struct ReceiveOptions {
-  std::string sensor;                         // HOST[:PORT] to subscribe at; empty: listens
+  std::string sensor;  // what sensor_address() takes, to subscribe at; empty: listens
   std::uint16_t port = client::kDefaultPort;  // 0: any free one
   std::string bind = "0.0.0.0";
   double timeout_s = 5;                 // without any packet

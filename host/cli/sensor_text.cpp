@@ -6,34 +6,6 @@
 namespace stof::host {
 namespace {
 
-const char* word(wire::Severity severity) {
-  switch (severity) {
-    case wire::Severity::kInfo:
-      return "good";
-    case wire::Severity::kMinor:
-      return "minor trouble";
-    case wire::Severity::kMajor:
-      return "major trouble";
-    case wire::Severity::kCritical:
-      return "no data";
-  }
-  return "trouble of an unknown kind";
-}
-
-const char* advice(wire::Reaction reaction) {
-  switch (reaction) {
-    case wire::Reaction::kNone:
-      return "go on";
-    case wire::Reaction::kWatch:
-      return "go on, and tell whoever maintains the robot";
-    case wire::Reaction::kSlow:
-      return "slow down: expect gaps";
-    case wire::Reaction::kStop:
-      return "bring the robot to a safe stop";
-  }
-  return "bring the robot to a safe stop: the reaction is of a newer sensor";
-}
-
 std::string name_of(std::uint8_t condition) {
   const wire::ConditionInfo* const info = wire::info_of(static_cast<wire::Condition>(condition));
   return info != nullptr ? info->name : "condition " + std::to_string(condition);
@@ -74,6 +46,34 @@ void add_stream(std::string& line, const char* name, dsp::ImageView<const T> ima
 
 }  // namespace
 
+const char* severity_text(wire::Severity severity) {
+  switch (severity) {
+    case wire::Severity::kInfo:
+      return "good";
+    case wire::Severity::kMinor:
+      return "minor trouble";
+    case wire::Severity::kMajor:
+      return "major trouble";
+    case wire::Severity::kCritical:
+      return "no data";
+  }
+  return "trouble of an unknown kind";
+}
+
+const char* reaction_text(wire::Reaction reaction) {
+  switch (reaction) {
+    case wire::Reaction::kNone:
+      return "go on";
+    case wire::Reaction::kWatch:
+      return "go on, and tell whoever maintains the robot";
+    case wire::Reaction::kSlow:
+      return "slow down: expect gaps";
+    case wire::Reaction::kStop:
+      return "bring the robot to a safe stop";
+  }
+  return "bring the robot to a safe stop: the reaction is of a newer sensor";
+}
+
 std::string event_line(const wire::EventReport& event) {
   const wire::ConditionInfo* const info =
       wire::info_of(static_cast<wire::Condition>(event.condition));
@@ -91,7 +91,7 @@ std::string event_line(const wire::EventReport& event) {
   if (static_cast<wire::Condition>(event.condition) == wire::Condition::kCalibrationChanged) {
     line += printed(" (%08x in place of %08x)", event.value, event.former);
   }
-  return line + "; " + advice(event.reaction);
+  return line + "; " + reaction_text(event.reaction);
 }
 
 std::string active_text(const wire::HealthReport& health) {
@@ -113,11 +113,11 @@ std::string link_text(const client::LinkState& link) {
 }
 
 std::string health_line(const wire::HealthReport& health) {
-  std::string line = std::string("health: ") + word(health.severity) + ", up " +
+  std::string line = std::string("health: ") + severity_text(health.severity) + ", up " +
                      std::to_string(health.uptime_ms / 1000) + " s, " + last_second(health) +
                      std::to_string(health.subscribers) + " subscribers" + active_text(health);
   if (health.active != 0) {
-    line += std::string("; ") + advice(health.reaction);
+    line += std::string("; ") + reaction_text(health.reaction);
   }
   return line;
 }

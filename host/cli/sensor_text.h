@@ -20,6 +20,11 @@ std::string active_text(const wire::HealthReport& health);
 // ", link: silent restarted forged traffic"; empty where nothing is wrong.
 std::string link_text(const client::LinkState& link);
 
+// "good", "major trouble".
+const char* severity_text(wire::Severity severity);
+// "slow down: expect gaps": what the robot should do.
+const char* reaction_text(wire::Reaction reaction);
+
 // "health: good, up 12 s, 30.0 frames/s, latency 21.0 ms mean 33.1 ms longest, 2 subscribers".
 std::string health_line(const wire::HealthReport& health);
 

@@ -139,7 +139,8 @@ void add_update(CLI::App& app, UpdateOptions& options) {
       "runs again, or no answer: run it again, it goes on where it stopped) or 2 (bad input, or no "
       "file for this sensor: nothing changed).");
   command.add_option("WORDS", options.words,
-                     "SENSOR (HOST[:PORT]) FILE; no FILE with --revert, no SENSOR with --serial");
+                     "SENSOR (serial number, name or HOST[:PORT]) FILE; no FILE with --revert, no "
+                     "SENSOR with --serial");
   command.add_flag("--revert", options.revert, "Try the release that is in the other slot");
   command.add_flag("--no-wait", options.no_wait, "End when the sensor restarts");
   add_control_flags(command, options);

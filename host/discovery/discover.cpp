@@ -7,6 +7,7 @@
 
 #include "firmware/wire/dns.h"
 #include "firmware/wire/messages/discover.h"
+#include "host/client/control/control_client.h"
 #include "host/discovery/discovery_socket.h"
 #include "posix/interfaces.h"
 #include "posix/poll.h"
@@ -124,6 +125,12 @@ class Search {
   }
 
   std::vector<FoundSensor> result() const { return found_.sorted(); }
+  // Of one that has answered itself.
+  bool has_answer(const std::function<bool(const FoundSensor&)>& wanted) const {
+    return std::ranges::any_of(result(), [&](const FoundSensor& sensor) {
+      return sensor.methods[static_cast<std::size_t>(DiscoveryMethod::kDirect)] && wanted(sensor);
+    });
+  }
 
  private:
   void take(const DiscoverySocket& socket, const DiscoverySocket::Read& read) {
@@ -173,8 +180,9 @@ std::expected<std::vector<FoundSensor>, DiscoverError> discover(const DiscoverOp
     return std::unexpected(DiscoverError{"the system gives no UDP socket: close other programs"});
   }
   const Clock::time_point begin = Clock::now();
-  const Clock::time_point end = begin + options.timeout;
+  Clock::time_point end = begin + options.timeout;
   std::size_t asked_times = 0;
+  bool found = false;
   for (Clock::time_point now = begin; now < end; now = Clock::now()) {
     if (asked_times < kAsk.size() && now >= begin + kAsk[asked_times]) {
       search.ask();
@@ -184,8 +192,42 @@ std::expected<std::vector<FoundSensor>, DiscoverError> discover(const DiscoverOp
         asked_times < kAsk.size() ? std::min(end, begin + kAsk[asked_times]) : end;
     search.wait(next);
     search.take();
+    if (options.wanted && !found && search.has_answer(options.wanted)) {
+      found = true;
+      end = std::min(end, Clock::now() + DiscoverOptions::kGrace);
+    }
   }
   return search.result();
+}
+
+std::expected<FoundSensor, DiscoverError> ask_sensor(const std::string& address,
+                                                     std::chrono::milliseconds timeout) {
+  constexpr int kAttempts = 4;
+  auto transport = open_udp_transport(address);
+  if (!transport) {
+    return std::unexpected(DiscoverError{transport.error().message});
+  }
+  const std::vector<std::byte> question = seal_question(std::random_device{}() | 1U);
+  FoundSensors found;
+  for (int i = 0; i < kAttempts; ++i) {
+    static_cast<void>((*transport)->send(question));
+    const Clock::time_point end = Clock::now() + timeout / kAttempts;
+    for (Clock::time_point now = Clock::now(); now < end; now = Clock::now()) {
+      const auto packet = (*transport)->receive(end - now);
+      if (packet && found.take_packet(*packet, {}, DiscoveryMethod::kDirect)) {
+        FoundSensor sensor = found.sorted().front();
+        const std::string place = (*transport)->place();
+        if (const auto at = posix::split_host_port(place)) {
+          sensor.address = at->host;
+          sensor.port = at->port;
+        }
+        return sensor;
+      }
+    }
+  }
+  return std::unexpected(DiscoverError{
+      (*transport)->place() +
+      ": does not say who it is: check that the sensor runs, its address and the network"});
 }
 
 }  // namespace stof::client

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,10 @@ struct DiscoverOptions {
   std::chrono::milliseconds timeout{2500};
   // HOST[:PORT], IPv6 with a port in brackets: asked beside all that are near.
   std::vector<std::string> addresses{};
+  // Who is looked for, of sensors that have answered themselves: kGrace after the first one the
+  // search is over. Empty: it takes the whole timeout.
+  std::function<bool(const FoundSensor&)> wanted{};
+  static constexpr std::chrono::milliseconds kGrace{300};  // for a second one of that kind
 };
 
 // One line for a person.
@@ -26,8 +31,13 @@ struct DiscoverError {
 };
 
 // Asks for sensors by broadcast, on this machine, at the given addresses and by multicast DNS, and
-// listens to beacons, for the whole timeout. Blocks for it, and before that on a name server. The
+// listens to beacons, for the timeout. Blocks for it, and before that on a name server. The
 // error: an address that is none, or no socket at all; a network that is missing is none.
 std::expected<std::vector<FoundSensor>, DiscoverError> discover(const DiscoverOptions& options);
+
+// Asks the one at an address, HOST[:PORT], who it is, four times within the timeout. The error: not
+// an address, no such host, or no answer. May block on a name server.
+std::expected<FoundSensor, DiscoverError> ask_sensor(const std::string& address,
+                                                     std::chrono::milliseconds timeout);
 
 }  // namespace stof::client

@@ -42,14 +42,14 @@ def paragraphs(text):
     return blocks
 
 
-def subcommands(text):
-    """Names below `Subcommands:`."""
+def summaries(text):
+    """[(name, summary)] of what stands below `Subcommands:`."""
     found, inside = [], False
-    for block in paragraphs(text):
-        if block[0] == "head":
-            inside = block[1] == "Subcommands"
-        elif block[0] == "item" and inside:
-            found.append(block[1].split()[0])
+    for kind, *words in paragraphs(text):
+        if kind == "head":
+            inside = words[0] == "Subcommands"
+        elif kind == "item" and inside:
+            found.append((words[0].split()[0], words[1]))
     return found
 
 
@@ -81,24 +81,44 @@ def body(text, heads):
 
 def commands_below(command, words, text):
     """(words, help) of all commands, depth first."""
-    for name in subcommands(text):
+    for name, _ in summaries(text):
         below = words + [name]
         said = help_of(command, below)
         yield below, said
         yield from commands_below(command, below, said)
 
 
-def page(command, name, summary, version, date, see_also):
-    """The page of a program; command: how it is started here."""
+def example_and_end(lines):
+    """Examples in bold, and a heading before the exit codes: of the lines of a command's page."""
+    made = []
+    for line in lines:
+        if line.startswith("Example: "):
+            made += [] if made[-1:] == [".PP"] else [".PP"]
+            made += ["Example:", f"\\fB{line[9:]}\\fR"]
+        elif line.startswith("Ends with "):
+            made += [".SH EXIT STATUS", line]
+        else:
+            made.append(line)
+    return made
+
+
+def heading(name, summary, version, date):
+    return [f'.TH {name.upper()} 1 "{date}" "stof {version}" "User Commands"', ".SH NAME", f"{escaped(name)} \\- {escaped(summary)}",
+            ".SH DESCRIPTION"]
+
+
+def pages(command, name, summary, version, date, see_also):
+    """{page's name: roff} of a program and of each of its commands, such as stof-view; command: how it is started here."""
     command = [str(word) for word in command]
     text = help_of(command, [])
-    lines = [f'.TH {name.upper()} 1 "{date}" "stof {version}" "User Commands"', ".SH NAME", f"{name} \\- {escaped(summary)}", ".SH DESCRIPTION"]
-    lines += body(text, ".SS")
-    below = list(commands_below(command, [], text))
-    if below:
-        lines.append(".SH COMMANDS")
-    for words, said in below:
-        lines.append(f".SS {name} {escaped(' '.join(words))}")
-        lines += body(re.sub(r"\n?Ends with 0 \(done\).*", "", said), ".PP\n.B")
-    lines += [".SH SEE ALSO", see_also]
-    return "\n".join(lines) + "\n"
+    verbs = summaries(text)
+    others = ", ".join([f".BR {name}-{verb} (1)".replace("-", "\\-") for verb, _ in verbs] + [see_also]).replace(", .BR", ",\n.BR")
+    found = {name: "\n".join(heading(name, summary, version, date) + example_and_end(body(text, ".SS")) + [".SH SEE ALSO", others]) + "\n"}
+    for verb, of_verb in verbs:
+        said = help_of(command, [verb])
+        lines = heading(f"{name}-{verb}", of_verb, version, date) + example_and_end(body(said, ".SS"))
+        for words, below in commands_below(command, [verb], said):
+            lines.append(f".SH {name.upper()} {escaped(' '.join(words).upper())}")
+            lines += [line.replace(".SH EXIT STATUS", ".PP") for line in example_and_end(body(below, ".SS"))]
+        found[f"{name}-{verb}"] = "\n".join([*lines, ".SH SEE ALSO", f".BR {name} (1)"]) + "\n"
+    return found

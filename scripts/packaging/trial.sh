@@ -26,7 +26,8 @@ try "stofd runs as user stof" sh -c 'test "$(stat -c %U /proc/$(systemctl show -
 if command -v stof >/dev/null; then
   try "stof discover finds it" soon sh -c "stof discover | tee /dev/stderr | grep -q '127.0.0.1:7560: emu'"
   try "stof view gets frames" timeout 60 stof view 127.0.0.1 --frames 5
-  try "man pages are there" test -s /usr/share/man/man1/stof.1.gz -a -s /usr/share/man/man1/stofd.1.gz
+  try "man pages are there" test -s /usr/share/man/man1/stof.1.gz -a -s /usr/share/man/man1/stof-view.1.gz -a -s /usr/share/man/man1/stofd.1.gz
+  try "bash completes stof" bash -c '. /usr/share/bash-completion/completions/stof && complete -p stof'
 fi
 try "import stof" python3 -c 'import stof; print(stof.__file__)'
 try "Python gets depth" timeout 60 python3 -c '

@@ -42,25 +42,30 @@ class ManTest(unittest.TestCase):
             ("item", "go", "Go"), ("item", ".dot", "Begins with a dot")])
 
     def test_subcommands_are_those_below_their_heading(self):
-        self.assertEqual(man.subcommands(HELP), ["go", ".dot"])
+        self.assertEqual(man.summaries(HELP), [("go", "Go"), (".dot", "Begins with a dot")])
 
     def test_nothing_of_the_help_is_taken_for_a_macro(self):
         for line in man.body(HELP + ".SH not a heading\n'tis\n", ".SS"):
             self.assertTrue(not line.startswith((".", "'")) or re.match(r"\.(SS|TP|PP)( |$)", line), line)
 
-    def test_a_page_has_every_command(self):
+    def test_a_program_has_a_page_and_each_of_its_commands_one(self):
         with tempfile.TemporaryDirectory() as folder:
             program = pathlib.Path(folder, "prog")
-            program.write_text('#!/bin/sh\nif [ "$1" = --help ]; then printf "Does.\\n\\nSubcommands:\\n  go   Goes\\n"\n'
-                               'else printf "Goes.\\n\\nOptions:\\n  --far   Further\\n"; fi\n')
+            program.write_text('#!/bin/sh\ncase "$*" in\n--help) printf "Does.\\n\\nSubcommands:\\n  go   Goes\\n" ;;\n'
+                               '"go --help") printf "Goes.\\n\\nSubcommands:\\n  far   Further\\n" ;;\n'
+                               '*) printf "Further.\\n\\nOptions:\\n  --miles   How far\\n\\nExample: prog go far\\nEnds with 0.\\n" ;;\nesac\n')
             program.chmod(0o755)
-            page = man.page([program], "prog", "does", "1.0", "2026-01-01", ".BR other (1)")
-        for line in (".TH PROG 1 ", ".SS prog go", "\\fB\\-\\-far\\fR", "Further", ".BR other (1)"):
-            self.assertIn(line, page)
+            pages = man.pages([program], "prog", "does", "1.0", "2026-01-01", ".BR other (1)")
+        self.assertEqual(set(pages), {"prog", "prog-go"})
+        for line in (".TH PROG 1 ", "prog \\- does", ".BR prog\\-go (1),", ".BR other (1)"):
+            self.assertIn(line, pages["prog"])
+        for line in (".TH PROG-GO 1 ", "prog\\-go \\- Goes", ".SH PROG GO FAR", "\\fB\\-\\-miles\\fR", "How far", "\\fBprog go far\\fR",
+                     "Ends with 0.", ".BR prog (1)"):
+            self.assertIn(line, pages["prog-go"])
 
     def test_a_program_without_help_is_told(self):
         with self.assertRaisesRegex(man.NoPage, "false --help: ended with 1"):
-            man.page(["false"], "false", "", "", "", "")
+            man.pages(["false"], "false", "", "", "", "")
 
 
 class NeedsTest(unittest.TestCase):

@@ -9,6 +9,8 @@
 #include "host/bridge/topics.h"
 #include "host/cli/bridge/ros2.h"
 #include "host/cli/failure.h"
+#include "host/cli/help_text.h"
+#include "host/cli/sensor/find_sensor.h"
 
 namespace stof::host {
 namespace {
@@ -76,7 +78,7 @@ void judge(const BridgeOptions& options) {
                                        ": words of letters, digits and _ that begin with no "
                                        "digit, with / between them");
   }
-  if (options.loop && !is_file(options)) {
+  if (options.loop && !is_recorded(options.sensor)) {
     throw Failure(Exit::kBadInput, "--loop: is for a recording");
   }
 }
@@ -88,15 +90,14 @@ void add_bridge(CLI::App& app, BridgeOptions& options) {
   all.require_subcommand(1);
   CLI::App& command = *all.add_subcommand(
       "ros2", "Publish depth as ROS 2 topics over DDS; ROS 2 need not be installed here");
-  command.footer(
-      "Example: stof bridge ros2 192.168.1.20 --namespace front\n"
+  show_example(
+      command, "stof bridge ros2 192.168.1.20 --namespace front",
       "Runs until it is interrupted; a sensor that is away is waited for, and diagnostics say so. "
       "Ends with 0 (interrupted, or the recording is over), 1 (DDS cannot be used) or 2 (bad "
       "input). CYCLONEDDS_URI configures Cyclone DDS, as usual.");
   command
       .add_option("SENSOR", options.sensor,
-                  "HOST[:PORT] of the sensor to subscribe at, port 7560 without; '-': listen for a "
-                  "sensor that sends here; or a file that stof record wrote")
+                  std::string(kSensorOrFile) + "; '-': listen for a sensor that sends here")
       ->required();
   command
       .add_option("--namespace", options.name_space,

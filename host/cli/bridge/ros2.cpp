@@ -9,6 +9,7 @@
 #include "host/bridge/dds/publisher.h"
 #include "host/bridge/robot_feed.h"
 #include "host/cli/failure.h"
+#include "host/cli/sensor/find_sensor.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/stop_signal.h"
 #include "host/client/arrival_clock.h"
@@ -268,14 +269,9 @@ class FileBridge {
 
 }  // namespace
 
-bool is_file(const BridgeOptions& options) {
-  std::error_code error;
-  return !options.sensor.empty() && std::filesystem::is_regular_file(options.sensor, error);
-}
-
 void bridge_ros2(const BridgeOptions& options, const bridge::Mount& mount) {
   stop_on_signals();
-  if (is_file(options)) {
+  if (is_recorded(options.sensor)) {
     value_or_fail(recording::FrameReader::open(options.sensor));
   }
   auto publisher = bridge::Publisher::open(
@@ -287,7 +283,7 @@ void bridge_ros2(const BridgeOptions& options, const bridge::Mount& mount) {
       *publisher,
       {.name_space = options.name_space, .cloud_step = options.cloud_step, .mount = mount});
   feed.place_frames(wall_ns());
-  if (is_file(options)) {
+  if (is_recorded(options.sensor)) {
     FileBridge(options, feed, *publisher).run();
   } else {
     LiveBridge(options, feed).run();

@@ -5,9 +5,6 @@
 
 namespace stof::host {
 
-// Whether SENSOR names a recording.
-bool is_file(const BridgeOptions& options);
-
 // Until a signal comes, or a recording is over. Throws Failure.
 void bridge_ros2(const BridgeOptions& options, const bridge::Mount& mount);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cstdio>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -11,8 +10,12 @@
 
 #include "host/cli/config/settings_text.h"
 #include "host/cli/failure.h"
+#include "host/cli/help_text.h"
+#include "host/cli/output.h"
 #include "host/cli/own_keys.h"
+#include "host/cli/sensor/find_sensor.h"
 #include "host/cli/serial_transport.h"
+#include "host/cli/words.h"
 #include "host/client/control/known_sensors.h"
 #include "host/client/control/user_keys.h"
 #include "host/client/printable.h"
@@ -254,7 +257,10 @@ void judge_words(const std::vector<std::string>& words) {
     throw Failure(Exit::kBadInput, "config: what to do is missing: " + std::string(kActions));
   }
   if (std::ranges::find(kNames, words[0]) == kNames.end()) {
-    throw Failure(Exit::kBadInput, "config: \"" + words[0] + "\" is none of " + kActions);
+    const std::vector<std::string> known(kNames.begin(), kNames.end());
+    const std::string near = nearest_word(words[0], known);
+    throw Failure(Exit::kBadInput, "config: \"" + words[0] + "\" is none of " + kActions +
+                                       (near.empty() ? "" : ": did you mean " + near));
   }
 }
 
@@ -289,19 +295,23 @@ void config(const ConfigOptions& options) {
     whole.sensor = words.front();
     words.erase(words.begin());
     judge_words(words);
-    transport = value_or_fail(client::open_udp_transport(whole.sensor));
+    transport = value_or_fail(client::open_udp_transport(sensor_address(whole.sensor)));
   } else {
     judge_words(words);
     transport = value_or_fail(open_serial_transport(options.serial, options.baud));
   }
   const std::string text = config_over(std::move(transport), words, whole);
-  std::fwrite(text.data(), 1, text.size(), stdout);
+  say_text(text);
 }
 
 void add_config(CLI::App& app, ConfigOptions& options) {
   CLI::App& command = *app.add_subcommand("config", "Read or change a sensor's settings");
+  show_example(command, "stof config 192.168.1.20 set depth.max_range_mm=5000",
+               "Ends with 0 (done), 1 (no answer, refused, or the output cannot be written) or 2 "
+               "(bad input, or a setting that the sensor does not take).");
   command.add_option("WORDS", options.words,
-                     "SENSOR (HOST[:PORT], none with --serial), then get [PATH], set PATH=VALUE... "
+                     "SENSOR (serial number, name or HOST[:PORT]; none with --serial), then get "
+                     "[PATH], set PATH=VALUE... "
                      "or FILE, stage (the same), commit, revert, preset NAME (indoor, outdoor, "
                      "near, fast or quality), save, reset, diff, schema");
   command.add_option("--document", options.document, "Of get: active, staged, saved or defaults")

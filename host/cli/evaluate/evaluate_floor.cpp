@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/failure.h"
+#include "host/cli/help_text.h"
 #include "host/evaluate/floor/floor_case.h"
 #include "host/evaluate/fusion/depth_score.h"
 #include "host/picture/error_picture.h"
@@ -164,6 +165,7 @@ std::vector<FloorRow> mean_rows(const std::vector<FloorRow>& rows) {
 void add_evaluate_floor(CLI::App& evaluate, EvaluateFloorOptions& options) {
   CLI::App& command = *evaluate.add_subcommand(
       "floor", "Scenes above a floor: what a robot would take for an obstacle, a drop, a way");
+  show_example(command, "stof evaluate floor floors/60,15", kFilesEnds);
   command
       .add_option("DIR", options.folders,
                   "Folders of scenes above a floor, as stof_emu_pair DIR --scene floor writes "

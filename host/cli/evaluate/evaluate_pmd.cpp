@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "host/cli/failure.h"
+#include "host/cli/help_text.h"
 #include "host/evaluate/pmd/figures.h"
 #include "host/evaluate/pmd/print/json.h"
 #include "host/evaluate/pmd/print/text.h"
@@ -24,6 +25,7 @@ void evaluate_pmd(const EvaluatePmdOptions& options) {
 void add_evaluate_pmd(CLI::App& evaluate, EvaluatePmdOptions& options) {
   CLI::App& command = *evaluate.add_subcommand(
       "pmd", "PMD recordings: walls, edges, lights, stray light, two frequencies, camera frames");
+  show_example(command, "stof evaluate pmd tof/sim --html pmd.html", kFilesEnds);
   command
       .add_option("DIR", options.folder,
                   "Folder of recordings (PREFIX.json, PREFIX_raw.pgm), or of such folders")

@@ -7,6 +7,7 @@
 
 #include "dsp/depth/max_range.h"
 #include "host/cli/failure.h"
+#include "host/cli/help_text.h"
 #include "host/evaluate/fusion/fusion.h"
 #include "host/evaluate/sequence/sequence.h"
 #include "host/text/printed.h"
@@ -96,6 +97,7 @@ void print_row(const std::string& scene, const SequenceRun& run, const SequenceR
 void add_evaluate_sequence(CLI::App& evaluate, EvaluateSequenceOptions& options) {
   CLI::App& command = *evaluate.add_subcommand(
       "sequence", "Frames that follow each other: flicker, jumps, noise, what stays behind");
+  show_example(command, "stof evaluate sequence sequences/hall --preset quality", kFilesEnds);
   command
       .add_option("DIR", options.folders,
                   "Folders that stof_emu_pair DIR --sequence N wrote; without --preset and "

@@ -2,14 +2,17 @@
 
 #include <array>
 #include <chrono>
-#include <cstdio>
 #include <ctime>
 
 #include <nlohmann/json.hpp>
 
 #include "host/cli/failure.h"
+#include "host/cli/help_text.h"
+#include "host/cli/output.h"
 #include "host/cli/recording/damage_text.h"
 #include "host/cli/recording/reading_progress.h"
+#include "host/cli/sensor/find_sensor.h"
+#include "host/cli/sensor/sensor_info.h"
 #include "host/client/printable.h"
 #include "host/text/printed.h"
 
@@ -17,7 +20,6 @@ namespace stof::host {
 namespace {
 
 constexpr double kNanosecond = 1e-9;
-constexpr double kPixelScale = 65536;
 
 double seconds_of(const mcap::Statistics& all) {
   return all.end_time < all.start_time
@@ -85,13 +87,7 @@ std::string info_text(const std::string& file, const recording::Summary& summary
     text += "  " + client::printable(key) + ": " + client::printable(value) + "\n";
   }
   if (summary.calibration) {
-    const wire::CalibrationPacket& one = *summary.calibration;
-    text += printed(
-        "  calibration: %ux%u px, fx %.2f fy %.2f cx %.2f cy %.2f px, baseline %.1f mm, PMD %ux%u "
-        "px\n",
-        one.image_width, one.image_height, one.fx / kPixelScale, one.fy / kPixelScale,
-        one.cx / kPixelScale, one.cy / kPixelScale, static_cast<double>(one.baseline_nm) / 1e6,
-        one.pmd_width, one.pmd_height);
+    text += "  " + calibration_line(*summary.calibration) + "\n";
   }
   for (const auto& [id, channel] : summary.index.channels) {
     text += printed("  %8llu  ", static_cast<unsigned long long>(count_of(summary, id))) +
@@ -149,34 +145,26 @@ std::string info_json(const std::string& file, const recording::Summary& summary
   for (const recording::Gap& gap : summary.gaps) {
     gaps.push_back({{"after", gap.after}, {"frames", gap.frames}, {"log_time_ns", gap.log_time}});
   }
-  json["calibration"] = nullptr;
-  if (summary.calibration) {
-    const wire::CalibrationPacket& one = *summary.calibration;
-    json["calibration"] = {{"width", one.image_width},
-                           {"height", one.image_height},
-                           {"fx", one.fx / kPixelScale},
-                           {"fy", one.fy / kPixelScale},
-                           {"cx", one.cx / kPixelScale},
-                           {"cy", one.cy / kPixelScale},
-                           {"baseline_m", static_cast<double>(one.baseline_nm) / 1e9},
-                           {"depth_unit_um", one.depth_unit_um},
-                           {"pmd_width", one.pmd_width},
-                           {"pmd_height", one.pmd_height}};
-  }
+  json["calibration"] =
+      summary.calibration ? calibration_json(*summary.calibration) : Json(nullptr);
   return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
 void info(const InfoOptions& options) {
-  const recording::Summary summary = [&] {
-    ReadingProgress progress(options.file.string());
-    return value_or_fail(recording::summarise(options.file, progress.callback()));
-  }();
-  const std::string file = options.file.string();
-  if (options.json) {
-    std::puts(info_json(file, summary).c_str());
-  } else {
-    std::fputs(info_text(file, summary).c_str(), stdout);
+  const std::string& file = options.sensor;
+  if (!is_recorded(file)) {
+    const SensorInfo sensor = read_sensor_info(options);
+    say_text(options.json ? sensor_info_json(sensor).dump(
+                                2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
+                                "\n"
+                          : sensor_info_text(sensor));
+    return;
   }
+  const recording::Summary summary = [&] {
+    ReadingProgress progress(file);
+    return value_or_fail(recording::summarise(file, progress.callback()));
+  }();
+  say_text(options.json ? info_json(file, summary) + "\n" : info_text(file, summary));
   if (summary.damaged != 0) {
     throw Failure(Exit::kFailure, file + ": " +
                                       damage_text(summary.damaged, summary.damaged_bytes) +
@@ -186,13 +174,14 @@ void info(const InfoOptions& options) {
 
 void add_info(CLI::App& app, InfoOptions& options) {
   CLI::App& command =
-      *app.add_subcommand("info", "What a recording holds: duration, channels, sensor, gaps");
-  command.footer(
-      "Example: stof info hall.mcap\n"
-      "Ends with 0 (also for a cut recording: it says so), 1 (records in it are damaged) or 2 (no "
-      "recording).");
-  command.add_option("FILE", options.file, "The recording")->required();
+      *app.add_subcommand("info", "What a sensor is and sends, or what a recording holds");
+  show_example(command, "stof info 192.168.1.20\nExample: stof info hall.mcap",
+               "Ends with 0 (also for a cut recording: it says so), 1 (no frame came, records of "
+               "the recording are damaged, or the output cannot be written) or 2 (bad input, no "
+               "recording).");
+  command.add_option("SENSOR", options.sensor, kSensorOrFile)->required();
   command.add_flag("--json", options.json, "A JSON object");
+  add_subscription_flags(command, options);
   command.callback([&options] { info(options); });
 }
 

@@ -1,23 +1,22 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
+#include "host/cli/receive.h"
 #include "host/recording/recording.h"
 
 namespace stof::host {
 
-struct InfoOptions {
-  std::filesystem::path file;
+struct InfoOptions : ReceiveOptions {  // sensor: also a file
   bool json = false;
 };
 
 // Adds `stof info` and its flags; it runs when the command line was parsed.
 void add_info(CLI::App& app, InfoOptions& options);
 
-// `stof info`: what a recording holds. Throws Failure.
+// `stof info`: what a recording holds, or what a sensor is. Throws Failure.
 void info(const InfoOptions& options);
 
 std::string info_text(const std::string& file, const recording::Summary& summary);

@@ -8,6 +8,9 @@
 
 #include "firmware/wire/frame/raw_packets.h"
 #include "host/cli/failure.h"
+#include "host/cli/help_text.h"
+#include "host/cli/live/link_teller.h"
+#include "host/cli/output.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/recording/sensor_documents.h"
 #include "host/cli/sensor_text.h"
@@ -45,6 +48,10 @@ class Recording {
       take(receiver_.next(kLook));
       take_raw();
       take_beside();
+      if (const std::string change = teller_.look(receiver_.link(), receiver_.health());
+          !change.empty()) {
+        say(change);
+      }
       const client::Time now = client::Time::clock::now();
       const client::Statistics& all = receiver_.statistics();
       const std::uint64_t heard_of = all.packets() - all.not_signed - all.forged;
@@ -84,8 +91,7 @@ class Recording {
   }
   void say(const std::string& line) const {
     if (!options_.json) {
-      std::printf("%s\n", line.c_str());
-      std::fflush(stdout);
+      host::say(line);
     }
   }
 
@@ -264,6 +270,7 @@ class Recording {
 
   const RecordOptions& options_;
   client::Receiver& receiver_;
+  LinkTeller teller_;
   recording::Recorder& recorder_;
   SensorDocuments documents_;
   DocumentWatch watch_;
@@ -295,7 +302,7 @@ void print_json(const RecordOptions& options, const Recording& session,
     json["raw_exposures"] = session.exposures();
     json["raw_incomplete"] = session.lost_pictures();
   }
-  std::puts(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+  say(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 void judge(const RecordOptions& options, client::Receiver& receiver, const Recording& session,
@@ -316,8 +323,9 @@ void judge(const RecordOptions& options, client::Receiver& receiver, const Recor
   }
   if (session.short_of()) {
     throw Failure(Exit::kFailure, place + ": the stream ended after " +
-                                      std::to_string(session.frames()) +
-                                      " frames: check that stofd still runs");
+                                      std::to_string(session.frames()) + " frames, last health " +
+                                      age_text(receiver.link().health_age) +
+                                      " ago: check that stofd still runs");
   }
   if (options.raw) {
     const client::RawStatistics& raw = receiver.raw_statistics();
@@ -410,8 +418,7 @@ void add_record(CLI::App& app, RecordOptions& options, const char* program) {
       "slow: what was written is kept) or 2 (bad input, or FILE cannot be written).");
   command
       .add_option("SENSOR", options.sensor,
-                  "HOST[:PORT] of the sensor to subscribe at, port 7560 without; '-': listen for a "
-                  "sensor that sends here")
+                  std::string(kSensorOnly) + "; '-': listen for a sensor that sends here")
       ->required();
   command.add_option("FILE", options.file, "The recording, by custom NAME.mcap")->required();
   command.add_option("--frames", options.frames, "End after so many frames; 0: when interrupted")

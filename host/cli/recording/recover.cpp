@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/failure.h"
+#include "host/cli/output.h"
 #include "host/cli/recording/damage_text.h"
 #include "host/cli/recording/reading_progress.h"
 #include "host/recording/mcap/recover.h"
@@ -33,7 +34,7 @@ void recover(const RecoverOptions& options) {
                                       {"cut_bytes", result.cut_bytes},
                                       {"damaged", result.damaged},
                                       {"damaged_bytes", result.damaged_bytes}};
-    std::puts(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+    say(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   } else if (result.was_whole) {
     std::printf("%s: is whole, nothing was changed\n", file.c_str());
   } else {

@@ -11,6 +11,7 @@
 #include "dataset/files/file.h"
 #include "firmware/wire/crypto/crypto.h"
 #include "host/cli/failure.h"
+#include "host/cli/output.h"
 #include "host/cli/stop_signal.h"
 #include "host/recording/replay/recorded_packets.h"
 #include "host/recording/replay/replay_server.h"
@@ -215,10 +216,8 @@ void replay(const ReplayOptions& options) {
   }
   const std::string place = options.bind + ":" + std::to_string(server->port());
   if (!options.json) {
-    std::printf("replay of %s, %llu frames: nothing of it is new; subscribe at %s\n",
-                options.file.c_str(), static_cast<unsigned long long>(summary.frames),
-                place.c_str());
-    std::fflush(stdout);
+    say("replay of " + options.file.string() + ", " + std::to_string(summary.frames) +
+        " frames: nothing of it is new; subscribe at " + place);
   }
   if (!options.port_file.empty()) {
     value_or_fail(dataset::write_whole(options.port_file, std::to_string(server->port()) + "\n"));
@@ -234,7 +233,7 @@ void replay(const ReplayOptions& options) {
                                       {"passes", player.passes()},
                                       {"damaged", player.damaged()},
                                       {"subscriptions", server->begun()}};
-    std::puts(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+    say(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   } else {
     std::printf("sent %llu frames to %llu subscriptions",
                 static_cast<unsigned long long>(player.frames()),

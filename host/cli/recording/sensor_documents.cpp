@@ -7,6 +7,7 @@
 #include "firmware/wire/calibration/calibration_file.h"
 #include "firmware/wire/crc32c.h"
 #include "host/cli/own_keys.h"
+#include "host/cli/sensor/find_sensor.h"
 #include "host/client/control/control_client.h"
 #include "host/client/control/download.h"
 
@@ -36,7 +37,7 @@ SensorDocuments read_documents(const ReceiveOptions& options, bool calibration) 
   }
   client::ControlOptions control = timing(kAnswerS);
   control.device_id = options.device;
-  auto asked = client::ControlClient::open(options.sensor, control);
+  auto asked = client::ControlClient::open(sensor_address(options.sensor), control);
   if (!asked) {
     return {.no_settings = asked.error().message, .no_calibration = asked.error().message};
   }

@@ -4,6 +4,7 @@
 #include "host/calibrate/rig/extrinsics/pmd_board_views.h"
 #include "host/calibrate/rig/report/rig_report.h"
 #include "host/cli/failure.h"
+#include "host/cli/output.h"
 #include "host/cli/rig/live_views.h"
 
 namespace stof::host {
@@ -97,6 +98,7 @@ void calib_extrinsics(const CalibFolderOptions& options) {
                   options.calibration.string() +
                       ": holds no PMD camera: calibrate it first (stof calib pmd)");
   }
+  need_file(options.out, "--out");
   CalibFolderOptions from = options;
   if (options.live.on()) {
     from.folder = calib_live_walls(options, rig);

@@ -7,9 +7,14 @@
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/rig/target/target_sheet.h"
 #include "host/cli/failure.h"
+#include "host/cli/help_text.h"
 
 namespace stof::host {
 namespace {
+
+constexpr const char* kCalibEnds =
+    "Ends with 0 (the file is written), 1 (the sensor sent nothing, or fell silent) or 2 (bad "
+    "input, views are missing, or the file cannot be written).";
 
 void add_out(CLI::App& command, std::filesystem::path& out) {
   command.add_option("--out", out, "The calibration file to write")->required();
@@ -107,6 +112,7 @@ void add_planes_flags(CLI::App& command, CalibStereoOptions& options) {
 void add_stereo(CLI::App& calib, CalibStereoOptions& options) {
   CLI::App& command = *calib.add_subcommand(
       "stereo", "A pair, from views of a board or from walls at known distances");
+  show_example(command, calib_rig_example("stereo"), kCalibEnds);
   CLI::Option* const target =
       command.add_option("--target", options.target,
                          "Folder with a folder for each view of a board: left.pgm, right.pgm");
@@ -138,6 +144,7 @@ void add_extrinsics(CLI::App& calib, CalibFolderOptions& options) {
   CLI::App& command = *calib.add_subcommand(
       "extrinsics",
       "Where the PMD camera is, from walls at several tilts that both see, or a board");
+  show_example(command, calib_rig_example("extrinsics"), kCalibEnds);
   command.add_option("DIR", options.folder,
                      "Folder with a folder for each wall: left.pgm, right.pgm, pmd.json, "
                      "pmd_raw.pgm");
@@ -165,6 +172,9 @@ void add_extrinsics(CLI::App& calib, CalibFolderOptions& options) {
 void add_check(CLI::App& calib, CalibFolderOptions& options) {
   CLI::App& command = *calib.add_subcommand(
       "check", "Whether a calibration still fits its rig; ends with 1 where it does not");
+  show_example(command, calib_rig_example("check"),
+               "Ends with 0 (it fits), 1 (something is to be done, or nothing came) or 2 (bad "
+               "input).");
   command.add_option("DIR", options.folder,
                      "Folder with a folder for each exposure: left.pgm, right.pgm; may have "
                      "pmd.json, pmd_raw.pgm");
@@ -177,6 +187,7 @@ void add_check(CLI::App& calib, CalibFolderOptions& options) {
 
 void add_exchange(CLI::App& calib, CalibRigOptions& options) {
   CLI::App& import = *calib.add_subcommand("import", "A pair from a file of ROS, Kalibr or OpenCV");
+  show_example(import, calib_rig_example("import"), kCalibEnds);
   import.add_option("FORMAT", options.import.format, "ros, kalibr or opencv")
       ->required()
       ->check(CLI::IsMember({"ros", "kalibr", "opencv"}));
@@ -196,6 +207,7 @@ void add_exchange(CLI::App& calib, CalibRigOptions& options) {
   import.callback([&options] { calib_import(options.import); });
 
   CLI::App& to = *calib.add_subcommand("export", "The pair of a file, for ROS, Kalibr or OpenCV");
+  show_example(to, calib_rig_example("export"), kCalibEnds);
   to.add_option("FORMAT", options.export_to.format, "ros, kalibr or opencv")
       ->required()
       ->check(CLI::IsMember({"ros", "kalibr", "opencv"}));
@@ -209,6 +221,7 @@ void add_exchange(CLI::App& calib, CalibRigOptions& options) {
 void add_target(CLI::App& calib, CalibTargetOptions& options) {
   CLI::App& command =
       *calib.add_subcommand("target", "A board as PDF in true size, with a ruler to check it");
+  show_example(command, calib_rig_example("target"), kCalibEnds);
   add_board(command, options.board);
   command.add_option("--paper", options.paper, "a4, a3, a2, a1 or a0")->capture_default_str();
   command

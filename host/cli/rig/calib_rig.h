@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -85,6 +86,9 @@ struct CalibRigOptions {
   CalibExchangeOptions export_to;
   CalibTargetOptions target;
 };
+
+// How each of the commands is called, whether this build has it or not.
+std::string calib_rig_example(std::string_view command);
 
 // Adds the commands to `stof calib`; one of them runs when the command line was parsed.
 void add_calib_rig(CLI::App& calib, CalibRigOptions& options);

@@ -3,6 +3,7 @@
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/rig/report/rig_report.h"
 #include "host/cli/failure.h"
+#include "host/cli/output.h"
 #include "host/cli/rig/live_views.h"
 
 namespace stof::host {
@@ -117,6 +118,7 @@ void calib_stereo(const CalibStereoOptions& options) {
                   "calib stereo: from what: give one of --target DIR, --live SENSOR and --planes "
                   "DIR");
   }
+  need_file(options.out, "--out");
   options.planes.empty() ? by_target(options) : by_planes(options);
 }
 

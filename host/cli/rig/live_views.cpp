@@ -8,6 +8,7 @@
 #include "dataset/files/file.h"
 #include "host/calibrate/rig/target/pair_folder.h"
 #include "host/cli/failure.h"
+#include "host/cli/output.h"
 #include "host/cli/stop_signal.h"
 #include "host/text/printed.h"
 
@@ -93,10 +94,7 @@ void write_samples(const std::filesystem::path& folder,
   value_or_fail(dataset::write_pmd(folder / "pmd", recording));
 }
 
-void LiveLines::say(const std::string& line) {
-  std::printf("%s\n", line.c_str());
-  std::fflush(stdout);
-}
+void LiveLines::say(const std::string& line) { host::say(line); }
 
 void LiveLines::tell(int state, const std::string& line) {
   constexpr std::chrono::seconds kAnother{1};

@@ -5,6 +5,7 @@
 
 #include "host/cli/evaluate/evaluate.h"
 #include "host/cli/failure.h"
+#include "host/cli/own_keys.h"
 #include "host/cli/view/ply.h"
 #include "host/client/frame/point_cloud.h"
 #include "host/picture/depth_picture.h"
@@ -59,7 +60,7 @@ std::string write_others(const std::filesystem::path& folder,
   std::string names;
   const auto write = [&](const char* name, const dataset::Image<Rgb>& picture,
                          const PngTexts& texts) {
-    value_or_fail(write_png(folder / name, picture, texts));
+    value_or_end(write_png(folder / name, picture, texts));
     names += ", " + (folder / name).string();
   };
   if (!source.pixels.empty()) {
@@ -83,15 +84,15 @@ std::string write_others(const std::filesystem::path& folder,
 void write_depth_pictures(const std::filesystem::path& folder, const std::string& end,
                           const dataset::Image<dsp::QuarterMm>& depth, std::uint32_t number,
                           const ColourScale& scale) {
-  value_or_fail(
+  value_or_end(
       write_png(folder / ("depth" + end + ".png"), depth,
                 {{"Title", "Depth map"},
                  {"Description",
                   "16-bit grey: Z in the rectified left camera, unit 0.25 mm (value / 4000 = "
                   "metres), 0 = none"},
                  {"Source", "made from received packets only, frame " + std::to_string(number)}}));
-  value_or_fail(write_png(folder / ("depth_color" + end + ".png"), depth_picture(depth, scale),
-                          {{"Title", "Depth map in colours, near is warm"}}));
+  value_or_end(write_png(folder / ("depth_color" + end + ".png"), depth_picture(depth, scale),
+                         {{"Title", "Depth map in colours, near is warm"}}));
 }
 
 }  // namespace
@@ -159,7 +160,7 @@ std::string FrameCopy::write(const std::filesystem::path& folder, const ColourSc
     return "wrote " + pictures + after + what +
            "; no cloud: no calibration packet of this frame's size arrived";
   }
-  value_or_fail(write_ply(folder / "cloud.ply", points));
+  value_or_end(write_ply(folder / "cloud.ply", points));
   return "wrote " + pictures + " and " + (folder / "cloud.ply").string() + after + what;
 }
 

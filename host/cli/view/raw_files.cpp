@@ -8,6 +8,7 @@
 
 #include "dataset/files/pgm.h"
 #include "host/cli/failure.h"
+#include "host/cli/own_keys.h"
 
 namespace stof::host {
 namespace {
@@ -36,14 +37,6 @@ std::string part_text(const client::RawExposure& exposure, std::uint8_t bit, con
 
 }  // namespace
 
-dataset::Image<std::uint8_t> copy_of(const dsp::ImageView<const std::uint8_t>& picture) {
-  dataset::Image<std::uint8_t> image(picture.width(), picture.height());
-  for (int y = 0; y < image.height; ++y) {
-    std::ranges::copy(picture.row(y), image.view().row(y).begin());
-  }
-  return image;
-}
-
 dataset::Image<std::uint16_t> below_each_other(const client::RawExposure& exposure) {
   const int height = exposure.pmd.front().height();
   dataset::Image<std::uint16_t> image(exposure.pmd.front().width(),
@@ -67,13 +60,13 @@ void write_raw(const client::RawExposure& exposure, const std::filesystem::path&
   std::snprintf(name.data(), name.size(), "raw_%010u", exposure.stamp.freshness);
   const auto file = [&](const char* end) { return folder / (std::string(name.data()) + end); };
   if (!exposure.left.empty()) {
-    value_or_fail(dataset::write_pgm8(file("_left.pgm"), copy_of(exposure.left)));
+    value_or_end(dataset::write_pgm8(file("_left.pgm"), copy_of(exposure.left)));
   }
   if (!exposure.right.empty()) {
-    value_or_fail(dataset::write_pgm8(file("_right.pgm"), copy_of(exposure.right)));
+    value_or_end(dataset::write_pgm8(file("_right.pgm"), copy_of(exposure.right)));
   }
   if (!exposure.pmd.front().empty()) {
-    value_or_fail(dataset::write_pgm16(file("_pmd.pgm"), below_each_other(exposure)));
+    value_or_end(dataset::write_pgm16(file("_pmd.pgm"), below_each_other(exposure)));
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "dataset/image.h"
 #include "firmware/wire/messages/enums.h"
+#include "host/cli/image_copy.h"
 #include "host/client/raw/raw_exposure.h"
 
 namespace stof::host {
@@ -14,8 +15,6 @@ namespace stof::host {
 // each other). Throws Failure.
 void write_raw(const client::RawExposure& exposure, const std::filesystem::path& folder);
 
-// A picture that is kept for longer than the exposure.
-dataset::Image<std::uint8_t> copy_of(const dsp::ImageView<const std::uint8_t>& picture);
 // The samples A0 to A3, which must be there.
 dataset::Image<std::uint16_t> below_each_other(const client::RawExposure& exposure);
 

@@ -95,11 +95,6 @@ class Replay {
 
 }  // namespace
 
-bool is_recording(const ViewOptions& options) {
-  std::error_code error;
-  return !options.sensor.empty() && std::filesystem::is_regular_file(options.sensor, error);
-}
-
 void replay(const ViewOptions& options) {
   judge_replay(options);
   stop_on_signals();

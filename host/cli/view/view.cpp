@@ -1,11 +1,13 @@
 #include "host/cli/view/view.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <optional>
+#include <utility>
 
 #include "dataset/files/file.h"
 #include "host/cli/failure.h"
+#include "host/cli/live/link_teller.h"
+#include "host/cli/output.h"
 #include "host/cli/receive.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/stop_signal.h"
@@ -15,11 +17,6 @@
 
 namespace stof::host {
 namespace {
-
-void say(const std::string& line) {
-  std::printf("%s\n", line.c_str());
-  std::fflush(stdout);
-}
 
 // One reception from the first packet to the last.
 class View {
@@ -36,6 +33,10 @@ class View {
       take(receiver_.next(kLook));
       take_raw();
       say_events();
+      if (const std::string change = teller_.look(receiver_.link(), receiver_.health());
+          !change.empty()) {
+        say(change);
+      }
       const client::Time now = client::Time::clock::now();
       // What is not the sensor's does not count: whoever sends it must not keep us waiting.
       const client::Statistics& statistics = receiver_.statistics();
@@ -97,10 +98,11 @@ class View {
     }
     if (frames_ < options_.frames || silent_) {
       const bool no_key = receiver_.subscription() == client::Subscription::State::kNoKey;
-      throw Failure(Exit::kFailure, where + ": the stream ended after " + std::to_string(frames_) +
-                                        " frames" +
-                                        (no_key ? silence_text(receiver_, options_.device)
-                                                : std::string(": check that stofd still runs")));
+      throw Failure(Exit::kFailure,
+                    where + ": the stream ended after " + std::to_string(frames_) + " frames" +
+                        (no_key ? silence_text(receiver_, options_.device)
+                                : ", last health " + age_text(receiver_.link().health_age) +
+                                      " ago: check that stofd still runs"));
     }
   }
 
@@ -202,6 +204,7 @@ class View {
   const ViewOptions& options_;
   client::Receiver& receiver_;
   PageView& page_;
+  LinkTeller teller_;
   StatusLine status_line_;
   FrameCopy whole_;   // the newest complete frame
   FrameCopy newest_;  // the newest incomplete one
@@ -226,6 +229,12 @@ bool has_page(const ViewOptions& options) {
 void view(const ViewOptions& options) {
   stop_on_signals();
   ViewOptions meant = options;
+  for (const auto& [folder, flag] :
+       {std::pair(&options.out, "--out"), std::pair(&options.headless, "--headless")}) {
+    if (!folder->empty()) {
+      need_folder(*folder, flag);
+    }
+  }
   client::Receiver receiver = open_receiver(meant, options.raw);
   say((options.sensor.empty() ? "listening on " : "subscribing at ") + place_of(options, receiver));
   PageView page;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""report_test.py -- COMMAND...: `stof report` on small scenes that the test makes: the page is whole, refers to nothing
+"""report_test.py -- COMMAND...: `stof evaluate chapter` on small scenes that the test makes: the page is whole, refers to nothing
 outside of itself, and its pictures decode. STOF_EMU_PAIR holds the command stof_emu_pair, its words separated by |."""
 
 import base64
@@ -110,7 +110,7 @@ class Report(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def run_stof(self, *arguments):
-        return subprocess.run([*COMMAND, "report", *map(str, arguments)], capture_output=True, text=True, timeout=280,
+        return subprocess.run([*COMMAND, "evaluate", "chapter", *map(str, arguments)], capture_output=True, text=True, timeout=280,
                               cwd=self.folder)
 
     def page(self, *arguments):

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "host/cli/live/link_teller.h"
+#include "host/cli/receive.h"
+
+namespace stof::host {
+
+// Receives from one sensor until something ends it: `stof stats`, `health`, `check`, `export`,
+// `info` and `report` share it.
+class Reception {
+ public:
+  struct Listener {
+    std::function<void(const client::Frame&)> frame{};  // its views end with the call
+    std::function<void(const wire::EventReport&)> event{};
+    std::function<void(const std::string&)> line{};  // for people, at once
+  };
+
+  // Subscribes, or listens where no sensor is named. Throws Failure.
+  Reception(const ReceiveOptions& options, Listener listener);
+
+  // Until done() says so, a signal, or ReceiveOptions::timeout_s without a packet of the sensor.
+  // Throws Failure where the socket fails.
+  void run(const std::function<bool()>& done);
+
+  client::Receiver& receiver() noexcept { return receiver_; }
+  std::string place() const { return place_of(options_, receiver_); }
+  std::uint64_t frames() const noexcept { return frames_; }
+  bool silent() const noexcept { return silent_; }  // the last run() ended for want of packets
+  const LinkTeller& link() const noexcept { return teller_; }
+  // Of the first frame; none: no frame came.
+  std::optional<std::uint32_t> device() const noexcept { return device_; }
+
+  // Throws Failure, code 1: why no frame came, or why there are too few, and what to do.
+  [[noreturn]] void fail();
+
+ private:
+  void take(const Result<client::Frame>& frame);
+
+  ReceiveOptions options_;
+  Listener listener_;
+  client::Receiver receiver_;
+  LinkTeller teller_;
+  std::optional<std::uint32_t> device_;
+  std::uint64_t frames_ = 0;
+  bool silent_ = false;
+};
+
+}  // namespace stof::host

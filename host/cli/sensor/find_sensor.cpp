@@ -1,0 +1,61 @@
+#include "host/cli/sensor/find_sensor.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "host/cli/failure.h"
+#include "host/discovery/discover.h"
+
+namespace stof::host {
+namespace {
+
+bool is_address(const std::string& called) {
+  return called.empty() || called == "localhost" ||
+         called.find_first_of(".:[") != std::string::npos;
+}
+
+std::string look_for(const std::string& called) {
+  const auto fits = [&](const client::FoundSensor& sensor) {
+    return sensor.serial == called || sensor.name == called;
+  };
+  const auto sensors = client::discover({.timeout = std::chrono::seconds(3), .wanted = fits});
+  if (!sensors) {
+    throw Failure(Exit::kFailure, sensors.error().message);
+  }
+  std::vector<client::FoundSensor> found;
+  std::ranges::copy_if(*sensors, std::back_inserter(found), fits);
+  // A serial number is one sensor's; a name may be another one's number.
+  const auto by_serial = std::ranges::find(found, called, &client::FoundSensor::serial);
+  if (by_serial != found.end()) {
+    return by_serial->endpoint();
+  }
+  if (found.size() > 1) {
+    throw Failure(Exit::kBadInput, called + ": " + std::to_string(found.size()) +
+                                       " sensors have that name: name one by its serial number, " +
+                                       found[0].serial + " or " + found[1].serial);
+  }
+  return found.empty() ? called : found.front().endpoint();
+}
+
+}  // namespace
+
+bool is_recorded(const std::string& sensor) {
+  std::error_code error;
+  return sensor.find('/') != std::string::npos || sensor.ends_with(".mcap") ||
+         (!sensor.empty() && std::filesystem::is_regular_file(sensor, error));
+}
+
+std::string sensor_address(const std::string& called) {
+  if (is_address(called)) {
+    return called;
+  }
+  static std::map<std::string, std::string> known;  // of this one command
+  const auto found = known.find(called);
+  return found != known.end() ? found->second
+                              : known.emplace(called, look_for(called)).first->second;
+}
+
+}  // namespace stof::host

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+// What SENSOR names, in every command that takes one: a sensor that is reached by its address, a
+// sensor near that is known by its serial number or name, or a recorded file.
+namespace stof::host {
+
+// The command reads a file in the sensor's place: a regular file of that name is there, or the text
+// has a slash or ends with .mcap, as no sensor's does.
+bool is_recorded(const std::string& sensor);
+
+// HOST[:PORT] of what a user calls a sensor. What has a dot or a colon is an address already, and
+// so is localhost. Any other word is looked for among the sensors near, by serial number and by
+// name, for 3 s; where none has it, it is a host's name. Looked for once in a program's life.
+// Whoever answers to a number or a name may lie: what proves a sensor is its key alone.
+// Throws Failure, bad input, where two sensors have that name.
+std::string sensor_address(const std::string& called);
+
+}  // namespace stof::host

@@ -1,0 +1,187 @@
+#include "host/cli/sensor/health.h"
+
+#include <array>
+#include <chrono>
+
+#include "firmware/wire/messages/conditions.h"
+#include "host/cli/failure.h"
+#include "host/cli/help_text.h"
+#include "host/cli/live/reception.h"
+#include "host/cli/output.h"
+#include "host/cli/recording/reading_progress.h"
+#include "host/cli/sensor/find_sensor.h"
+#include "host/cli/sensor_text.h"
+#include "host/client/value_names.h"
+#include "host/recording/recording.h"
+#include "host/text/printed.h"
+
+namespace stof::host {
+namespace {
+
+// As docs/WIRE.md calls them.
+constexpr std::array kSeverityNames{"info", "minor", "major", "critical"};
+constexpr std::array kReactionNames{"none", "watch", "slow", "stop"};
+
+struct ActiveCondition {
+  std::string name{};
+  const wire::ConditionInfo* info = nullptr;  // none: of a newer sensor
+};
+
+std::vector<ActiveCondition> active_of(const wire::HealthReport& report) {
+  constexpr std::uint8_t kBits = 32;
+  std::vector<ActiveCondition> active;
+  for (std::uint8_t k = 0; k < kBits; ++k) {
+    if (((report.active >> k) & 1U) != 0) {
+      const wire::ConditionInfo* const info = wire::info_of(static_cast<wire::Condition>(k));
+      active.push_back(
+          {.name = info != nullptr ? info->name : "condition_" + std::to_string(k), .info = info});
+    }
+  }
+  return active;
+}
+
+const char* severity_name(wire::Severity severity) {
+  return client::name_in(kSeverityNames, static_cast<std::size_t>(severity));
+}
+const char* reaction_name(wire::Reaction reaction) {
+  return client::name_in(kReactionNames, static_cast<std::size_t>(reaction));
+}
+
+void print(const HealthOptions& options, const HealthState& state) {
+  say_text(options.json ? health_json(state).dump(options.seconds > 0 ? -1 : 2) + "\n"
+                        : health_text(state));
+}
+
+void receive_health(const HealthOptions& options) {
+  std::optional<std::uint64_t> told;  // uptime of the health that was printed last
+  client::Time began = client::Time::clock::now();
+  Reception reception(options, {.event =
+                                    [&](const wire::EventReport& event) {
+                                      if (!options.json && options.seconds > 0) {
+                                        say(event_line(event));
+                                      }
+                                    },
+                                .line =
+                                    [&](const std::string& line) {
+                                      if (!options.json) {
+                                        say(line);
+                                      }
+                                    }});
+  reception.run([&] {
+    client::Receiver& receiver = reception.receiver();
+    const std::optional<wire::HealthReport>& health = receiver.health();
+    if (health && told != health->uptime_ms) {
+      told = health->uptime_ms;
+      print(options,
+            {.source = reception.place(), .report = *health, .age = receiver.link().health_age});
+    }
+    const client::Time now = client::Time::clock::now();
+    const std::chrono::duration<double> most(options.seconds > 0 ? options.seconds
+                                                                 : options.timeout_s);
+    return (options.seconds <= 0 && told) || now - began >= most;
+  });
+  if (!told || reception.silent()) {
+    reception.fail();
+  }
+}
+
+void health(const HealthOptions& options) {
+  if (is_recorded(options.sensor)) {
+    print(options, health_of_file(options.sensor));
+  } else {
+    receive_health(options);
+  }
+}
+
+}  // namespace
+
+HealthState health_of_file(const std::string& file) {
+  auto reader = value_or_fail(recording::FrameReader::open(file));
+  std::uint64_t end = 0;
+  ReadingProgress progress(file);
+  while (const std::optional<recording::RecordedFrame> frame = reader.next()) {
+    end = std::max(end, frame->log_time);
+    progress.show(reader.position(), reader.size());
+  }
+  const auto& all = reader.sights().health;
+  if (all.empty()) {
+    throw Failure(Exit::kFailure, file + ": holds no health: stof info says what it holds");
+  }
+  const auto& [time, report] = all.back();
+  return {.source = file,
+          .report = report,
+          .age = std::chrono::duration_cast<client::Duration>(
+              std::chrono::nanoseconds(end > time ? end - time : 0))};
+}
+
+std::string health_text(const HealthState& state) {
+  std::string text =
+      state.source + "\n  " + health_line(state.report) + "\n  " + age_text(state.age) + " old\n";
+  for (const ActiveCondition& one : active_of(state.report)) {
+    text += "  " + one.name + ": ";
+    text += one.info == nullptr
+                ? std::string("of a newer sensor: update stof")
+                : std::string(one.info->text) + " (" + severity_name(one.info->severity) + "); " +
+                      reaction_text(one.info->reaction);
+    text += "\n";
+  }
+  return text;
+}
+
+nlohmann::ordered_json health_json(const HealthState& state) {
+  using Json = nlohmann::ordered_json;
+  const wire::HealthReport& report = state.report;
+  constexpr double kMilli = 1e-3;
+  Json conditions = Json::array();
+  for (const ActiveCondition& one : active_of(report)) {
+    Json entry{{"name", one.name}};
+    if (one.info != nullptr) {
+      entry["severity"] = severity_name(one.info->severity);
+      entry["reaction"] = reaction_name(one.info->reaction);
+      entry["text"] = one.info->text;
+      entry["advice"] = reaction_text(one.info->reaction);
+    }
+    conditions.push_back(std::move(entry));
+  }
+  return {{"source", state.source},
+          {"age_s",
+           state.age ? Json(std::chrono::duration<double>(*state.age).count()) : Json(nullptr)},
+          {"severity", severity_name(report.severity)},
+          {"reaction", reaction_name(report.reaction)},
+          {"advice", reaction_text(report.reaction)},
+          {"uptime_s", static_cast<double>(report.uptime_ms) * kMilli},
+          {"rate_hz", report.rate_millihertz * kMilli},
+          {"latency_ms", report.latency_us * kMilli},
+          {"longest_latency_ms", report.longest_latency_us * kMilli},
+          {"subscribers", report.subscribers},
+          {"settings_revision", report.settings_revision},
+          {"conditions", std::move(conditions)},
+          {"counters",
+           {{"edges", report.counters.edges},
+            {"frames_published", report.counters.frames_published},
+            {"mispaired", report.counters.mispaired},
+            {"timeouts", report.counters.timeouts},
+            {"deadline_misses", report.counters.deadline_misses},
+            {"link_drops", report.counters.link_drops},
+            {"packets_sent", report.packets_sent}}}};
+}
+
+void add_health(CLI::App& app, HealthOptions& options) {
+  CLI::App& command = *app.add_subcommand(
+      "health", "How a sensor is by its own word: conditions, what they mean, what to do");
+  show_example(command, "stof health 192.168.1.20",
+               "Ends with 0 (told, whatever it says: --json has reaction), 1 (no health came, the "
+               "sensor fell silent, or the output cannot be written) or 2 (bad input).");
+  command.add_option("SENSOR", options.sensor, kSensorOrFile)->required();
+  command
+      .add_option("--seconds", options.seconds,
+                  "Go on for so long: each new health, events, and silence at once; 0: the first "
+                  "alone. --json: one object a line")
+      ->check(CLI::Range(0.0, 1e7))
+      ->capture_default_str();
+  command.add_flag("--json", options.json, "A JSON object, and nothing else");
+  add_subscription_flags(command, options);
+  command.callback([&options] { health(options); });
+}
+
+}  // namespace stof::host

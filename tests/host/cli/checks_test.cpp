@@ -1,0 +1,185 @@
+#include "host/cli/sensor/checks.h"
+
+#include <chrono>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "firmware/wire/messages/conditions.h"
+
+namespace stof::host {
+namespace {
+
+using namespace std::chrono_literals;
+
+void add_frames(CheckFacts& facts, int frames) {
+  for (int i = 0; i < frames; ++i) {
+    client::Frame frame;
+    frame.stamp.number = static_cast<std::uint32_t>(i);
+    frame.stamp.exposure_middle_ns = i * 100'000'000LL;
+    facts.stats.figures.take(frame, i * 0.1);
+    ++facts.stats.counts.frames_complete;
+    facts.stats.counts.packets_ok += 100;
+  }
+}
+
+// Everything is in order.
+CheckFacts good() {
+  CheckFacts facts{
+      .sensor = "front",
+      .identity = client::FoundSensor{.serial = "00000001", .version = "1.2.3"},
+      .subscribed = true,
+      .beacon_heard = true,
+      .health = HealthState{.age = 200ms},
+      .calibration = wire::CalibrationPacket{},
+      .network = {.interface = "eth0", .mtu = 1500, .speed_mbit = 1000, .clock_synchronised = true},
+      .buffer = 4 << 20,
+      .asked_buffer = 4 << 20,
+      .version = "1.2.3"};
+  add_frames(facts, 50);
+  return facts;
+}
+
+Check check_of(const CheckFacts& facts, const std::string& name) {
+  for (const Check& check : judge_checks(facts)) {
+    if (check.name == name) {
+      return check;
+    }
+  }
+  ADD_FAILURE() << "no check " << name;
+  return {};
+}
+
+void set_condition(CheckFacts& facts, wire::Condition condition) {
+  facts.health->report.active |= 1U << static_cast<unsigned>(condition);
+}
+
+TEST(Checks, FindNothingWhereAllIsInOrder) {
+  for (const Check& check : judge_checks(good())) {
+    EXPECT_EQ(check.verdict, Verdict::kOk) << check.name << ": " << check.found;
+    EXPECT_EQ(check.fix, "");
+    EXPECT_NE(check.found, "");
+  }
+  EXPECT_EQ(worst_of(judge_checks(good())), Verdict::kOk);
+}
+
+struct Wrong {
+  const char* name;
+  Verdict verdict;
+  const char* fix;  // part of it
+  std::function<void(CheckFacts&)> make;
+};
+
+TEST(Checks, SayWhatIsWrongAndWhatToDoInOneLine) {
+  const Wrong all[] = {
+      {"firewall", Verdict::kNote, "7561", [](CheckFacts& f) { f.beacon_heard = false; }},
+      {"firewall", Verdict::kFix, "output", [](CheckFacts& f) { f.sending_refused = true; }},
+      {"mtu", Verdict::kFix, "ip link set dev eth0 mtu 1500",
+       [](CheckFacts& f) { f.network.mtu = 1279; }},
+      {"mtu", Verdict::kNote, "", [](CheckFacts& f) { f.network.mtu.reset(); }},
+      {"buffers", Verdict::kFix, "sysctl -w net.core.rmem_max=4194304",
+       [](CheckFacts& f) { f.buffer = 212'992; }},
+      {"buffers", Verdict::kFix, "too slow",
+       [](CheckFacts& f) { f.stats.counts.socket_drops = 1; }},
+      {"link", Verdict::kFix, "streams.parity",
+       [](CheckFacts& f) { f.stats.counts.frames_lost = 1; }},  // 1 of 51
+      {"link", Verdict::kNote, "streams.parity",
+       [](CheckFacts& f) {
+         f.stats.counts.frames_complete = 1000;
+         f.stats.counts.frames_incomplete = 1;
+       }},
+      {"link", Verdict::kFix, "damaged",
+       [](CheckFacts& f) {
+         f.stats.counts.frames_lost = 5;
+         f.stats.counts.bad_crc = 9;
+       }},
+      {"link", Verdict::kFix, "streams.parity", [](CheckFacts& f) { f.stats.silences = 1; }},
+      {"link", Verdict::kFix, "nearly full",  // 50,000 packets in 4.9 s: 104 Mbit/s
+       [](CheckFacts& f) {
+         f.stats.counts.packets_ok = 50'000;
+         f.network.speed_mbit = 100;
+       }},
+      {"clock", Verdict::kNote, "timedatectl",
+       [](CheckFacts& f) { f.network.clock_synchronised = false; }},
+      {"clock", Verdict::kNote, "", [](CheckFacts& f) { f.clock = wire::ClockState::kRecorded; }},
+      {"clock", Verdict::kFix, "two senders",
+       [](CheckFacts& f) { f.stats.figures.take(client::Frame{}, 6); }},
+      {"calibration", Verdict::kFix, "stof calib install",
+       [](CheckFacts& f) { f.calibration.reset(); }},
+      {"calibration", Verdict::kFix, "restart", [](CheckFacts& f) { f.other_calibration = true; }},
+      {"calibration", Verdict::kFix, "docs/CALIBRATION.md",
+       [](CheckFacts& f) { f.drift = ", drift: pitch 0.1 +- 0.01 deg"; }},
+      {"calibration", Verdict::kFix, "docs/CALIBRATION.md",
+       [](CheckFacts& f) { set_condition(f, wire::Condition::kDrift); }},
+      {"calibration", Verdict::kFix, "stof calib install FILE front",
+       [](CheckFacts& f) { set_condition(f, wire::Condition::kCalibrationDropped); }},
+      {"health", Verdict::kFix, "stof health front",
+       [](CheckFacts& f) { f.health->report.severity = wire::Severity::kMajor; }},
+      {"health", Verdict::kNote, "", [](CheckFacts& f) { f.health.reset(); }},
+      {"key", Verdict::kNote, "stof pair front",
+       [](CheckFacts& f) { set_condition(f, wire::Condition::kUnpaired); }},
+      {"key", Verdict::kFix, "stof pair front",
+       [](CheckFacts& f) { set_condition(f, wire::Condition::kKeysLost); }},
+      {"version", Verdict::kNote, "stof update",
+       [](CheckFacts& f) { f.identity->version = "1.2.2"; }},
+      {"version", Verdict::kNote, "",
+       [](CheckFacts& f) {
+         f.identity.reset();
+         f.no_identity = "no answer";
+       }},
+  };
+  for (const Wrong& wrong : all) {
+    CheckFacts facts = good();
+    wrong.make(facts);
+    const Check check = check_of(facts, wrong.name);
+    EXPECT_EQ(check.verdict, wrong.verdict) << wrong.name << ": " << check.found;
+    EXPECT_NE(check.fix.find(wrong.fix), std::string::npos) << check.fix;
+    EXPECT_EQ((check.found + check.fix).find('\n'), std::string::npos);
+    EXPECT_TRUE(check.verdict != Verdict::kFix || !check.fix.empty()) << check.name;
+  }
+}
+
+TEST(Checks, SayWhyNothingComes) {
+  const auto without_frames = [](const std::function<void(CheckFacts&)>& make) {
+    CheckFacts facts = good();
+    facts.stats = {};
+    facts.subscribed = false;
+    make(facts);
+    return facts;
+  };
+  EXPECT_NE(check_of(without_frames([](CheckFacts& f) { f.nobody_listens = true; }), "reach")
+                .fix.find("start stofd"),
+            std::string::npos);
+  EXPECT_NE(check_of(without_frames([](CheckFacts& f) { f.all_places_taken = true; }), "reach")
+                .found.find("as many subscribers"),
+            std::string::npos);
+  EXPECT_NE(check_of(without_frames([](CheckFacts& f) { f.identity.reset(); }), "reach")
+                .fix.find("power, cable and address"),
+            std::string::npos);
+  const Check wall =
+      check_of(without_frames([](CheckFacts& f) { f.subscribed = true; }), "firewall");
+  EXPECT_EQ(wall.verdict, Verdict::kFix);
+  EXPECT_NE(wall.fix.find("udp sport 7560 accept"), std::string::npos) << wall.fix;
+  // What nobody can know without a frame is not judged.
+  EXPECT_EQ(judge_checks(without_frames([](CheckFacts& /*facts*/) {})).size(), 4U);
+}
+
+TEST(Checks, OfARecordingAreThoseThatItTells) {
+  CheckFacts facts = good();
+  facts.recorded = true;
+  std::vector<std::string> names;
+  for (const Check& check : judge_checks(facts)) {
+    names.push_back(check.name);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"link", "clock", "calibration", "health"}));
+}
+
+TEST(Checks, OfThisMachineItselfWantNoBeacon) {
+  CheckFacts facts = good();
+  facts.beacon_heard = false;
+  facts.network.loopback = true;
+  EXPECT_EQ(check_of(facts, "firewall").verdict, Verdict::kOk);
+}
+
+}  // namespace
+}  // namespace stof::host
