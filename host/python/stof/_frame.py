@@ -124,6 +124,11 @@ class Frame:
         return self._raw.exposure_middle_ns
 
     @property
+    def exposure_here_ns(self) -> int | None:
+        """The same by CLOCK_MONOTONIC of this machine, time.monotonic_ns(), as Sensor.clock() maps it; None: unknown."""
+        return self._raw.exposure_here_ns or None
+
+    @property
     def first_packet_ns(self) -> int:
         """CLOCK_MONOTONIC of this machine: time.monotonic_ns()."""
         return self._raw.first_packet_ns
@@ -246,14 +251,26 @@ class Frame:
     def points(self) -> numpy.ndarray:
         """(n,) of the pixels that have a depth (or of `cloud`, where depth is not sent): fields x, y, z and z_width (float32,
         metres in the rectified left camera: x right, y down, z forward; the truth lies in z -+ z_width / 2, -1: unknown) and
-        source (uint32, Source; 0: unknown). A new array. NotYet: no calibration yet. One thread at a time."""
-        numpy = _numpy()
-        kind = numpy.dtype([("x", "f4"), ("y", "f4"), ("z", "f4"), ("z_width", "f4"), ("source", "u4")])
+        source (uint32, Source; 0: unknown). A new array. NotYet: no calibration yet. From any thread."""
         raw = self._raw
-        count = ctypes.c_size_t(raw.depth.width * raw.depth.height or raw.cloud.width * raw.cloud.height)
+        most = raw.depth.width * raw.depth.height or raw.cloud.width * raw.cloud.height
+        return self._points(c.library.stof_points, most, [("x", "f4"), ("y", "f4"), ("z", "f4"), ("z_width", "f4"), ("source", "u4")])
+
+    def pixel_points(self) -> numpy.ndarray:
+        """The same of `depth` alone, with the pixel of each: fields x, y, z, z_width, u and v (uint16: column and row), source, cause,
+        grey (uint8, of the left picture there) and has_grey (uint8, 0: it is not sent, or did not arrive there). A new array. NotYet:
+        no calibration yet; Unsupported: depth is not sent. From any thread."""
+        raw = self._raw
+        return self._points(c.library.stof_pixel_points, raw.depth.width * raw.depth.height,
+                            [("x", "f4"), ("y", "f4"), ("z", "f4"), ("z_width", "f4"), ("u", "u2"), ("v", "u2"), ("source", "u1"), ("cause", "u1"),
+                             ("grey", "u1"), ("has_grey", "u1")])
+
+    def _points(self, make: typing.Any, most: int, fields: list[tuple[str, str]]) -> numpy.ndarray:
+        numpy = _numpy()
+        count = ctypes.c_size_t(most)
         while True:
-            points = numpy.empty(count.value, kind)
-            status = c.library.stof_points(raw, points.ctypes.data, points.size, count)
+            points = numpy.empty(count.value, numpy.dtype(fields))
+            status = make(self._raw, points.ctypes.data, points.size, count)
             if status != _TOO_SMALL:
                 break
         if status != _OK:

@@ -13,7 +13,7 @@ import typing
 from . import _library as c
 from ._errors import BadArgument, Busy, Closed, NotFound, Timeout, error_of
 from ._frame import Frame, Pool
-from ._values import Answer, Document, Event, Found, Health, Link, LinkCondition
+from ._values import Answer, Clock, Document, Event, Found, Health, Link, LinkCondition, LinkEvent, Setting
 
 _OK, _TIMEOUT, _NOT_YET, _TOO_SMALL = 0, 1, 5, 7
 _SLICE_S = 0.1  # how soon a Ctrl-C, or a close() of another thread, is seen
@@ -79,7 +79,7 @@ def _find(serial: str | None, name: str | None, timeout: float, addresses: typin
 class Sensor:
     """A subscription to one sensor; open() makes it. A context manager, and an iterator of frames.
 
-    Threads: one at a time may wait for frames (next, frames, next_event: else Busy); everything else may be called from any
+    Threads: one at a time may wait for frames (next, frames, next_event, next_link_event: else Busy); everything else may be called from any
     thread, close() too: whoever waits then gets Closed. While a call waits, other Python threads run.
     """
 
@@ -229,6 +229,37 @@ class Sensor:
         with self._use() as handle:
             _check(c.library.stof_get_link(handle, raw))
         return Link.of(raw)
+
+    def next_link_event(self) -> LinkEvent | None:
+        """The next condition of the link that began or ended, each once, a restart among them; look after every frame, and after a
+        Timeout. None: no more. Busy, Closed."""
+        raw = c.LinkEvent(struct_size=ctypes.sizeof(c.LinkEvent))
+        with self._use(receiving=True) as handle:
+            status = c.library.stof_next_link_event(handle, raw)
+        if status == _TIMEOUT:
+            return None
+        _check(status)
+        return LinkEvent.of(raw)
+
+    def clock(self) -> Clock | None:
+        """How the sensor's clock maps to this machine's; None: no frame has told it yet. Unsupported: its stamps are of emulated or
+        recorded time. Closed."""
+        raw = c.Clock(struct_size=ctypes.sizeof(c.Clock))
+        with self._use() as handle:
+            status = c.library.stof_get_clock(handle, raw)
+        if status == _NOT_YET:
+            return None
+        _check(status)
+        return Clock.of(raw)
+
+    def setting(self, path: str) -> Setting:
+        """One setting, such as "depth.max_range_mm", and what it takes. BadArgument: the sensor has none of that path; errors as get()."""
+        raw = c.Setting(struct_size=ctypes.sizeof(c.Setting))
+        why = ctypes.create_string_buffer(_LINE)
+        with self._use() as handle:
+            status = c.library.stof_get_setting(handle, _encoded(path, "the path"), raw, why, len(why))
+        _check(status, why.value)
+        return Setting.of(raw)
 
     def statistics(self) -> dict[str, int]:
         """What became of the packets and frames since open(), by cause: the names of stof_statistics in stof.h. Closed."""

@@ -316,6 +316,11 @@ class Settings(WithSensor):
             error = self.one_line(stof.Refused, sensor.set, {"streams": {"depth": "foo"}}, holds="streams.depth: takes")
             self.assertEqual(error.status, 8)
             self.one_line(stof.Refused, sensor.preset, "moon")
+            parity, depth, period = (sensor.setting(path) for path in ("streams.parity", "streams.depth", "period_ms"))
+            self.assertEqual((parity.value, parity.default, parity.choices), (True, False, ()))
+            self.assertEqual((depth.value, depth.choices), ("fit", ("off", "raw", "rvl", "fit")))
+            self.assertEqual((period.minimum, period.maximum, period.unit), (0, 60000, "ms"))
+            self.one_line(stof.BadArgument, sensor.setting, "depth.moon", holds="no such setting")
             self.one_line(stof.BadArgument, sensor.set, {"a": {1, 2}})
             self.one_line(stof.BadArgument, sensor.set, {"a": math.nan})
 
@@ -337,6 +342,19 @@ class Health(WithSensor):
             self.assertIsInstance(health.reaction, stof.Reaction)
             self.assertEqual(health.subscribers, 1)
             self.assertGreater(health.rate_hz, 0)
+            self.assertGreater(health.counters["edges"], 0)
+            self.assertGreaterEqual(health.age_s, 0)
+            self.assertFalse(health.silent)
+            frame = sensor.next(LONG_S)
+            while frame.calibration is None:
+                frame = sensor.next(LONG_S)
+            points = frame.pixel_points()
+            self.assertEqual(len(points), (frame.depth > 0).sum())
+            self.assertTrue((points["z"] == frame.points()["z"]).all())
+            self.assertTrue((frame.depth[points["v"], points["u"]] > 0).all())
+            # Its clock is this machine's: what was exposed was so before it came.
+            self.assertLessEqual(frame.exposure_here_ns, frame.first_packet_ns)
+            self.assertGreaterEqual(sensor.clock().spread_ns, 0)
             self.assertNotIn(stof.LinkCondition.SILENT, sensor.link().conditions)
             self.assertLess(sensor.link().frame_age_s, 5)
             statistics = sensor.statistics()
@@ -350,6 +368,10 @@ class Health(WithSensor):
                 except stof.Timeout:
                     break
             self.assertIn(stof.LinkCondition.SILENT, sensor.link().conditions)
+            told = []
+            while (event := sensor.next_link_event()) is not None:
+                told.append((event.condition, event.active))
+            self.assertIn((stof.LinkCondition.SILENT, True), told)
 
 
 class Finding(WithSensor):
