@@ -313,3 +313,38 @@ class Frame:
         numpy = _numpy()
         # By frombuffer, whose base is the read-only view: nobody can make it writable.
         return numpy.ndarray(shape, kind, numpy.frombuffer(memoryview(memory).toreadonly(), "u1"), strides=(stride, kind.itemsize))
+
+
+class Raw:
+    """What the cameras gave for one exposure, before rectification, bit for bit: open(raw=...). A picture is a numpy array of its
+    own, or None where it was not sent or missed a packet."""
+
+    __slots__ = ("device_id", "session_id", "frame_number", "freshness", "number", "dropped", "edge_ns", "exposure_middle_ns", "state", "complete",
+                 "left", "right", "pmd")
+
+    def __init__(self, raw: c.Raw) -> None:
+        self.device_id: int = raw.device_id
+        self.session_id: int = raw.session_id
+        self.frame_number: int = raw.frame_number  # of the frame that was computed from it
+        self.freshness: int = raw.freshness  # of that frame: the exposure's id
+        self.number: int = raw.number  # from 1, of this request
+        self.dropped: int = raw.dropped  # exposures that the sensor had no time for
+        self.edge_ns: int = raw.edge_ns  # by the sensor's clock, as the next one
+        self.exposure_middle_ns: int = raw.exposure_middle_ns
+        self.state: int = raw.state  # docs/WIRE.md, "raw_info"
+        self.complete: bool = raw.missing == 0
+        self.left: numpy.ndarray | None = self._picture(raw.left, "u1")  # (height, width)
+        self.right: numpy.ndarray | None = self._picture(raw.right, "u1")
+        self.pmd: tuple[numpy.ndarray | None, ...] = tuple(self._picture(plane, "u2") for plane in raw.pmd)  # A0 to A3
+
+    def __repr__(self) -> str:
+        return f"<stof.Raw {self.number} of frame {self.frame_number}{'' if self.complete else ', incomplete'}>"
+
+    @staticmethod
+    def _picture(plane: c.Plane, kind: str) -> numpy.ndarray | None:
+        if not plane.data:
+            return None
+        numpy = _numpy()
+        rows = numpy.frombuffer(ctypes.string_at(plane.data, plane.bytes), numpy.uint8)
+        shape, strides = (plane.height, plane.width), (plane.stride, numpy.dtype(kind).itemsize)
+        return numpy.ndarray(shape, numpy.dtype(kind), rows, 0, strides).copy()

@@ -329,6 +329,33 @@ class Settings(WithSensor):
             self.one_line(stof.Unsupported, sensor.get, holds="name the sensor")
 
 
+class RawPictures(WithSensor):
+    OPTIONS = {"pmd": "32x24", "period_ms": 50}
+
+    def test_what_the_cameras_gave_comes_beside_frames(self):
+        with self.open(keys="", raw=("left", "right", "pmd"), raw_every=2) as sensor:
+            end = time.monotonic() + support.ENOUGH_S
+            frames, exposures = {}, []
+            while len(exposures) < 2 and time.monotonic() < end:
+                frame = sensor.next(LONG_S)
+                frames[frame.number] = frame
+                while (exposure := sensor.next_raw()) is not None:
+                    exposures.append(exposure)
+            self.assertEqual(len(exposures), 2)
+            for exposure in exposures:
+                self.assertTrue(exposure.complete)
+                self.assertEqual((exposure.left.dtype, exposure.left.shape), ("uint8", exposure.right.shape))
+                self.assertEqual([sample.dtype for sample in exposure.pmd], ["uint16"] * 4)
+                self.assertGreater(int(exposure.left.max()), int(exposure.left.min()), "a picture")
+                self.assertFalse((exposure.left == exposure.right).all())
+                if exposure.frame_number in frames:
+                    self.assertEqual(exposure.exposure_middle_ns, frames[exposure.frame_number].exposure_middle_ns)
+            self.assertGreater(exposures[1].number, exposures[0].number)
+        with self.open(keys="") as sensor:
+            self.one_line(stof.Unsupported, sensor.next_raw)
+        self.one_line(stof.BadArgument, lambda: self.open(raw="middle"), holds="left, right, pmd")
+
+
 class Health(WithSensor):
     def test_health_conditions_and_silence(self):
         with self.open() as sensor:
