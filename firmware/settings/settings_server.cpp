@@ -317,7 +317,7 @@ SettingsServer::Result SettingsServer::save(hal::Time now, PagedWriter& why) noe
 }
 
 // The record first: where only one of the two is written, the next start goes by the document.
-Status SettingsServer::write(const Settings& settings) noexcept {
+Status SettingsServer::write(const Settings& settings) const noexcept {
   const Status kept = parts_.fixed == nullptr ? Status::kOk : save_fixed(*parts_.fixed, settings);
   return kept == Status::kOk ? save_document(*parts_.store, settings) : kept;
 }

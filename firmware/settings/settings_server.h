@@ -103,7 +103,7 @@ class SettingsServer final : public firmware::SettingsService {
   Settings with_staged(const FieldSet& fields) const noexcept;
   // The active ones, without what the command line alone set.
   Settings to_save() const noexcept;
-  Status write(const Settings& settings) noexcept;
+  Status write(const Settings& settings) const noexcept;
   Result commit(const firmware::Requester& by, PagedWriter& why) noexcept;
   Result preset(std::string_view name, Access access, PagedWriter& why) noexcept;
   Result save(hal::Time now, PagedWriter& why) noexcept;

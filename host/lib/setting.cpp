@@ -4,6 +4,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "host/lib/json_text.h"
 #include "host/lib/sensor.h"
@@ -133,7 +134,9 @@ stof_status change(stof_sensor* sensor, const char* path, std::string_view value
     while (true) {
       const std::size_t dot = rest.rfind('.');
       const std::string_view name = dot == std::string_view::npos ? rest : rest.substr(dot + 1);
-      json = "{\"" + std::string(name) + "\": " + json + "}";
+      std::string group = "{\"";
+      group.append(name).append("\": ").append(json).append("}");
+      json = std::move(group);
       if (dot == std::string_view::npos) {
         break;
       }
