@@ -151,11 +151,11 @@ Status Loop::publish_waiting() noexcept {
 }
 
 Status Loop::publish_held(hal::Time latest, bool usual) noexcept {
-  if (!held_) {
+  Counters& counters = conditions_.counters();
+  if (!held_ || (most_frames_ != 0 && counters.published >= most_frames_)) {
     return Status::kOk;
   }
   Status sent = Status::kOk;
-  Counters& counters = conditions_.counters();
   if (schedule_.expired(held_->edge, board_.clock.now())) {
     ++counters.expired;
     collector_.forget_pmd();  // the pipeline has not seen its samples

@@ -43,6 +43,9 @@ class Loop {
   // kOk: whether or not there was a frame. kDeviceLost: a device is lost.
   Status step() noexcept;
 
+  // No frame is published beyond so many since the start; 0: there is no end.
+  void end_after(std::uint64_t frames) noexcept { most_frames_ = frames; }
+
   // From now on there is no frame without one of the rig's sensors, or there is.
   void require_both(bool both) noexcept { collector_.require_both(both); }
 
@@ -85,7 +88,8 @@ class Loop {
   std::optional<hal::Time> last_edge_;  // of the shot that was computed last; none: a gap follows
   std::uint64_t stereo_losses_ = 0;     // of the camera, up to that shot
   Sensors sensors_ = kBothSensors;      // of that shot
-  bool begun_anew_ = true;              // since that shot
+  std::uint64_t most_frames_ = 0;
+  bool begun_anew_ = true;  // since that shot
 };
 
 }  // namespace stof::firmware

@@ -55,6 +55,9 @@ class Appliance {
   // of the wait for it; health and events.
   Status step(const ControlStatus& control) noexcept;
 
+  // As Loop::end_after().
+  void end_after(std::uint64_t frames) noexcept { loop_->end_after(frames); }
+
   // As if Parts::run_configs had brought it: takes effect before the next step().
   void apply(const RunConfig& run_config) noexcept;
   // Builds the pipeline anew: nothing of the frames before counts for the next.

@@ -265,6 +265,7 @@ int run_loop(board::Board& board, const Options& options, RigInfo& rig, const bo
   if (board.replay != nullptr) {
     replay.emplace(*board.replay, rig, config, start.active, options);
   }
+  appliance.end_after(options.frames);  // one step may publish two
   run_rounds(appliance, watchdog, options, replay ? &*replay : nullptr);
   end_loop(watchdog);
   return judge_replay(board, replay ? replay->problem() : std::string());
@@ -322,6 +323,8 @@ int run(board::Board& board, const Options& options, InitialSettings start,
     print_line(note);
   }
   drop_unusable(*rig, options, start);
+  // What the sensor runs with: --port, or a port that is taken, may have made it another one.
+  start.active.udp_port = board.port.port();
   say_refusal(board::lock_memory());
   // The threads that help to compute inherit it.
   say_refusal(board::set_realtime_priority(true));

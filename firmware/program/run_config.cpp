@@ -1,5 +1,6 @@
 #include "firmware/program/run_config.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -102,6 +103,20 @@ std::string take_installed(const InstalledCalibration& installed, RigInfo& rig) 
   rig.installed = why.empty();
   rig.dropped = why.empty() ? CalibrationDropped::kNot : CalibrationDropped::kUnusable;
   return why;
+}
+
+// The shortest period in whole milliseconds that this board takes.
+std::string period_advice(board::TimingConfig timing, hal::Duration least) {
+  const auto from = std::chrono::ceil<std::chrono::milliseconds>(least);
+  for (auto period = std::max(from, std::chrono::milliseconds(1));
+       period <= std::chrono::milliseconds(settings::kMostPeriodMs);
+       period += std::chrono::milliseconds(1)) {
+    timing.period = period;
+    if (*board::problem(timing) == '\0') {
+      return "takes at least " + std::to_string(period.count()) + " ms";
+    }
+  }
+  return "choose another period";
 }
 
 // Of the board in front of us, beside those of any.
@@ -260,7 +275,8 @@ std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
   run_config.publisher.disparities = run_config.setup.depth.match.disparities;
   run_config.publisher.max_range = run_config.setup.depth.fusion.max_range;
   if (const char* const why = board::problem(run_config.timing); *why != '\0') {
-    return std::unexpected(std::string("period_ms: ") + why + ": choose another period");
+    return std::unexpected(std::string("period_ms: ") + why + ": " +
+                           period_advice(run_config.timing, rig.least_period));
   }
   if (std::string why = period_limits(rig, config, run_config.timing.period); !why.empty()) {
     return std::unexpected(std::move(why));

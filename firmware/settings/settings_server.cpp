@@ -34,6 +34,15 @@ std::string_view operation_name(SettingsOperation operation) noexcept {
   }
 }
 
+// The serial line, also one that leads to strangers.
+bool came_over_line(const firmware::Requester& by) noexcept {
+  return !by.peer || by.peer->address == decltype(by.peer->address){};
+}
+
+constexpr std::string_view kLineCloses =
+    "serial.mode: this line takes no more requests: set it back over the network, or restart the "
+    "sensor without saving this";
+
 }  // namespace
 
 bool usable(const Settings& settings, Limits* limits, PagedWriter& why) noexcept {
@@ -51,7 +60,12 @@ SettingsServer::SettingsServer(const Settings& active, const Settings& saved,
       active_(active),
       saved_(saved),
       fell_back_(parts.fell_back),
-      dropped_(parts.dropped) {}
+      dropped_(parts.dropped) {
+  const std::size_t count = field_count();
+  for (std::size_t place = 0; place < count; ++place) {
+    overridden_.set(place, !equal(field(place), active_, saved_));
+  }
+}
 
 bool SettingsServer::restart_needed() const noexcept {
   const std::size_t count = field_count();
@@ -83,7 +97,11 @@ wire::SettingsAnswer SettingsServer::serve(const wire::SettingsRequest& request,
   const bool reads = request.operation == SettingsOperation::kGet;
   PagedWriter out(as_writable_text(answer_text), reads ? request.offset : 0);
   const std::uint32_t before = revision_;
+  const SerialMode mode = active_.serial.mode;
   const Result result = serve(request, as_text(text), by, out);
+  if (came_over_line(by) && mode == SerialMode::kStof && active_.serial.mode != mode) {
+    out << (out.text().empty() ? "" : "; ") << kLineCloses;
+  }
   if (revision_ != before && parts_.changes != nullptr) {
     firmware::Event change{.kind = firmware::EventKind::kSettingsChanged};
     if (by.peer) {
@@ -124,7 +142,7 @@ SettingsServer::Result SettingsServer::serve(const wire::SettingsRequest& reques
     case Operation::kSave:
       return save(by.now, out);
     case Operation::kReset:
-      return become({}, by.access, out);
+      return reset(by.access, out);
     case Operation::kKeys:
     case Operation::kUnpair:
     case Operation::kUpload:
@@ -229,6 +247,7 @@ SettingsServer::Result SettingsServer::commit(const firmware::Requester& by,
   if (result != Result::kOk) {
     return result;  // what is staged stays
   }
+  overridden_ &= ~staged_fields_;
   fell_back_ = staged_fell_back_ || fell_back_;
   forget_staged();
   return save(by.now, why);
@@ -245,18 +264,37 @@ SettingsServer::Result SettingsServer::preset(std::string_view name, Access acce
 }
 
 const Settings* SettingsServer::saved_in_force() const noexcept {
-  const bool runs = revision_ == 1 || (active_ == saved_ && !restart_needed());
+  const bool runs = revision_ == 1 || (to_save() == saved_ && !restart_needed());
   return runs && !dropped_ ? &saved_ : nullptr;
 }
 
+Settings SettingsServer::to_save() const noexcept {
+  Settings settings = active_;
+  const std::size_t count = field_count();
+  for (std::size_t place = 0; place < count; ++place) {
+    if (overridden_.test(place)) {
+      copy_field(field(place), saved_, settings);
+    }
+  }
+  return settings;
+}
+
 SettingsServer::Result SettingsServer::save(hal::Time now, PagedWriter& why) noexcept {
-  if (active_ == saved_ && !unsaved_ && !fell_back_ && !dropped_) {
+  const Settings next = to_save();
+  if (next == saved_ && !unsaved_ && !fell_back_ && !dropped_) {
     return Result::kOk;  // a repeated request does not wear the medium
   }
-  unsaved_ = true;
   const std::string_view joint = why.text().empty() ? "" : "; ";
   if (parts_.store == nullptr) {
     why << joint << "active, but not saved: the sensor was started without a file for its settings";
+    return Result::kNotSaved;
+  }
+  unsaved_ = true;
+  std::array<char, kWhyBytes> space;
+  PagedWriter refusal(space);
+  if (!usable(next, &parts_.limits, refusal)) {
+    why << joint << "active, but not saved, since without the command line it would not do: "
+        << refusal.text();
     return Result::kNotSaved;
   }
   if (!saves_.take(now)) {
@@ -264,14 +302,14 @@ SettingsServer::Result SettingsServer::save(hal::Time now, PagedWriter& why) noe
         << " saves at once, then one a minute: save again later";
     return Result::kNotSaved;
   }
-  const Status status = write();
+  const Status status = write(next);
   if (status != Status::kOk) {
     why << joint << "active, but not saved: "
         << (status == Status::kUnsupported ? "what has the file's name is no file"
                                            : "the file cannot be written");
     return Result::kNotSaved;
   }
-  saved_ = active_;
+  saved_ = next;
   unsaved_ = false;
   fell_back_ = false;
   dropped_ = false;
@@ -279,15 +317,33 @@ SettingsServer::Result SettingsServer::save(hal::Time now, PagedWriter& why) noe
 }
 
 // The record first: where only one of the two is written, the next start goes by the document.
-Status SettingsServer::write() noexcept {
-  const Status kept = parts_.fixed == nullptr ? Status::kOk : save_fixed(*parts_.fixed, active_);
-  return kept == Status::kOk ? save_document(*parts_.store, active_) : kept;
+Status SettingsServer::write(const Settings& settings) const noexcept {
+  const Status kept = parts_.fixed == nullptr ? Status::kOk : save_fixed(*parts_.fixed, settings);
+  return kept == Status::kOk ? save_document(*parts_.store, settings) : kept;
 }
 
 SettingsServer::Result SettingsServer::change(std::string_view json, Access access,
                                               PagedWriter& why) noexcept {
   Settings next = active_;
-  return parse(json, next, why) ? become(next, access, why) : Result::kInvalid;
+  FieldSet named;
+  if (!parse(json, next, why, &named)) {
+    return Result::kInvalid;
+  }
+  const Result result = become(next, access, why);
+  overridden_ &= result == Result::kOk ? ~named : FieldSet().set();
+  return result;
+}
+
+SettingsServer::Result SettingsServer::reset(Access access, PagedWriter& why) noexcept {
+  // Where it listens now is not for a reset to change: the next start sees to it.
+  FieldSet kept;
+  kept.set(find_field("udp.port"));
+  kept &= overridden_;
+  Settings next;
+  next.udp_port = kept.any() ? active_.udp_port : next.udp_port;
+  const Result result = become(next, access, why);
+  overridden_ &= result == Result::kOk ? kept : FieldSet().set();
+  return result;
 }
 
 // why: of a result of kOk, what fell back.

@@ -61,7 +61,8 @@ class SettingsServer final : public firmware::SettingsService {
   static constexpr hal::Duration kSaveRefill = std::chrono::minutes(1);
 
   // active: what the sensor was started with, already applied, as revision 1. saved: what is in the
-  // store (load_settings()), which a command line may have changed into active.
+  // store (load_settings()), which a command line may have changed into active: such a field is not
+  // saved before a request has named it.
   SettingsServer(const Settings& active, const Settings& saved, const Parts& parts) noexcept;
 
   // kDenied: by.access does not do; to stage, commit, revert and save it takes kTune, to change or
@@ -78,7 +79,7 @@ class SettingsServer final : public firmware::SettingsService {
   // What is in the store, where the sensor runs with it and with nothing else; nullptr: it does
   // not. What a command line adds at the start does not count.
   const Settings* saved_in_force() const noexcept;
-  // The last attempt to save failed.
+  // The last attempt to save failed. Never where there is no store: nothing was ever promised.
   bool unsaved() const noexcept { return unsaved_; }
   // Since the last save, or in what was saved, fields were named that are as the preset has them
   // now. Without a file to save to: in the last change.
@@ -100,11 +101,14 @@ class SettingsServer final : public firmware::SettingsService {
   void forget_staged() noexcept;
   // The active ones with these of the staged fields.
   Settings with_staged(const FieldSet& fields) const noexcept;
-  Status write() noexcept;
+  // The active ones, without what the command line alone set.
+  Settings to_save() const noexcept;
+  Status write(const Settings& settings) const noexcept;
   Result commit(const firmware::Requester& by, PagedWriter& why) noexcept;
   Result preset(std::string_view name, Access access, PagedWriter& why) noexcept;
   Result save(hal::Time now, PagedWriter& why) noexcept;
   Result change(std::string_view json, Access access, PagedWriter& why) noexcept;
+  Result reset(Access access, PagedWriter& why) noexcept;
   Result become(Settings next, Access access, PagedWriter& why) noexcept;
   Settings staged() const noexcept { return with_staged(staged_fields_); }
 
@@ -117,6 +121,7 @@ class SettingsServer final : public firmware::SettingsService {
   FieldSet staged_by_tune_{};     // of these: not by an admin, and within the limits of then
   std::uint32_t staged_key_ = 0;  // that staged them; 0: none, the cable
   KeyIds losers_;                 // whose staged fields somebody else reverted
+  FieldSet overridden_{};         // by the command line, and named by no request since
   std::uint32_t revision_ = 1;
   bool unsaved_ = false;
   bool fell_back_;

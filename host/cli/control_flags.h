@@ -19,6 +19,9 @@ struct ControlFlags {
   double timeout_s = 0.3;  // of each of three attempts
 };
 
+// --device, the number of the sensor that alone is believed.
+void add_device_flag(CLI::App& command, std::optional<std::uint32_t>& device);
+
 void add_control_flags(CLI::App& command, ControlFlags& flags);
 
 }  // namespace stof::host

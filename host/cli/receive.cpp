@@ -1,6 +1,7 @@
 #include "host/cli/receive.h"
 
 #include "dataset/files/file.h"
+#include "host/cli/control_flags.h"
 #include "host/cli/failure.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/sensor/find_sensor.h"
@@ -30,8 +31,8 @@ client::SubscriptionOptions subscription(ReceiveOptions& options, const wire::Ra
 client::Receiver open_receiver(ReceiveOptions& options, const wire::RawRequest& raw) {
   client::ReceiverOptions where{.sensor = sensor_address(options.sensor),
                                 .subscription = subscription(options, raw)};
-  where.address = options.bind;
-  where.port = options.port;
+  where.address = options.bind.value_or(where.address);
+  where.port = options.port.value_or(where.port);
   where.reassembler.device_id = options.device;
   std::expected<client::Receiver, client::OpenError> receiver = client::Receiver::open(where);
   if (!receiver) {
@@ -40,10 +41,7 @@ client::Receiver open_receiver(ReceiveOptions& options, const wire::RawRequest& 
   return std::move(*receiver);
 }
 
-std::string place_of(const ReceiveOptions& options, const client::Receiver& receiver) {
-  return "UDP " + (options.sensor.empty() ? options.bind + ":" + std::to_string(receiver.port())
-                                          : receiver.place());
-}
+std::string place_of(const client::Receiver& receiver) { return "UDP " + receiver.place(); }
 
 std::string silence_text(client::Receiver& receiver, std::optional<std::uint32_t> meant) {
   if (meant && receiver.other_sensor()) {
@@ -83,17 +81,16 @@ void add_key_flags(CLI::App& command, ReceiveOptions& options) {
                    "this program: nobody else can send a frame");
   command.add_option("--keys", options.keys,
                      "File of keys, of --signed; none: the usual one, as of stof pair");
-  command.add_option("--device", options.device,
-                     "Number of the sensor (stofd --device): only it is believed");
+  add_device_flag(command, options.device);
   command.add_option("--key", options.key,
                      "8 digits, of your key of the sensor, of --signed: only it is believed");
 }
 
 void add_place_flags(CLI::App& command, ReceiveOptions& options) {
-  command.add_option("--port", options.port, "UDP port to listen at, 0: any free one")
-      ->capture_default_str();
-  command.add_option("--bind", options.bind, "Address of the interface to listen at")
-      ->capture_default_str();
+  command.add_option("--port", options.port,
+                     "Without a sensor: UDP port to listen at, 0: any free one (default: 7560)");
+  command.add_option("--bind", options.bind,
+                     "Likewise: address of the interface to listen at (default: every one)");
   command.add_option("--port-file", options.port_file,
                      "File that gets the number of the opened port");
 }
@@ -101,7 +98,7 @@ void add_place_flags(CLI::App& command, ReceiveOptions& options) {
 void add_subscription_flags(CLI::App& command, ReceiveOptions& options) {
   command
       .add_option("--timeout", options.timeout_s, "Give up after so many seconds without a packet")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(0.01, 1e6))
       ->capture_default_str();
   add_key_flags(command, options);
 }
@@ -114,6 +111,12 @@ void add_receive_flags(CLI::App& command, ReceiveOptions& options) {
 void judge_receive_options(const ReceiveOptions& options) {
   if (options.signed_streams && options.sensor.empty()) {
     throw Failure(Exit::kBadInput, "--signed: takes a SENSOR to subscribe at");
+  }
+  if (!options.sensor.empty() && (options.bind || options.port)) {
+    throw Failure(Exit::kBadInput,
+                  std::string(options.bind ? "--bind" : "--port") +
+                      ": is where a sensor that sends by itself is listened for: beside " +
+                      options.sensor + " leave it out");
   }
 }
 

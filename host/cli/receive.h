@@ -14,8 +14,9 @@ namespace stof::host {
 
 struct ReceiveOptions {
   std::string sensor;  // what sensor_address() takes, to subscribe at; empty: listens
-  std::uint16_t port = client::kDefaultPort;  // 0: any free one
-  std::string bind = "0.0.0.0";
+  // Where to listen, without a sensor alone; none: port 7560 at every interface.
+  std::optional<std::uint16_t> port;  // 0: any free one
+  std::optional<std::string> bind;
   double timeout_s = 5;                 // without any packet
   std::filesystem::path port_file;      // gets the port's number when it is open
   bool signed_streams = false;          // takes only what the sensor signs for this program
@@ -41,7 +42,7 @@ client::Receiver open_receiver(ReceiveOptions& options, const wire::RawRequest& 
 void tell_port(const ReceiveOptions& options, const client::Receiver& receiver);
 
 // "UDP 192.168.1.20:7560".
-std::string place_of(const ReceiveOptions& options, const client::Receiver& receiver);
+std::string place_of(const client::Receiver& receiver);
 // Why a subscription brings nothing, and what to do.
 std::string silence_text(client::Receiver& receiver, std::optional<std::uint32_t> meant);
 // The line that says whose frames these are. A signature proves it, so that from now on it is the

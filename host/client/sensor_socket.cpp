@@ -13,6 +13,20 @@ std::unexpected<OpenError> refuse(Status status, std::string message) {
   return std::unexpected(OpenError{status, std::move(message)});
 }
 
+const char* bind_advice(int error) {
+  switch (error) {
+    case EADDRINUSE:
+      return "close the program that uses it or take another port";
+    case EADDRNOTAVAIL:
+      return "no interface of this machine has that address: use one of its own, or 0.0.0.0 for "
+             "all of them";
+    case EACCES:
+      return "take a port above 1023";
+    default:
+      return "take another port or address";
+  }
+}
+
 }  // namespace
 
 std::expected<std::vector<posix::SocketAddress>, OpenError> resolve_sensor(
@@ -55,9 +69,7 @@ std::expected<std::unique_ptr<SensorSocket>, OpenError> SensorSocket::open(
                   place + std::strerror(errno) + "; this system gives no socket");
   }
   if (const int error = socket.bind(at->front()); error != 0) {
-    return refuse(
-        Status::kDeviceError,
-        place + std::strerror(error) + "; close the program that uses it or take another port");
+    return refuse(Status::kDeviceError, place + std::strerror(error) + "; " + bind_advice(error));
   }
   std::string own = address + ":" + std::to_string(socket.port());
   return std::unique_ptr<SensorSocket>(

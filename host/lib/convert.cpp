@@ -16,9 +16,9 @@ constexpr double kFixed16 = 65536;
 constexpr double kFixed30 = 1 << 30;
 constexpr double kNano = 1e-9;
 
+// All of it arrived.
 template <typename T>
-stof_plane to_plane(const dsp::ImageView<const T>& view, const client::Frame& frame,
-                    Stream stream) noexcept {
+stof_plane to_whole_plane(const dsp::ImageView<const T>& view) noexcept {
   stof_plane plane{};
   if (view.empty()) {
     return plane;
@@ -30,6 +30,16 @@ stof_plane to_plane(const dsp::ImageView<const T>& view, const client::Frame& fr
   plane.pixel_bytes = sizeof(T);
   plane.stride = static_cast<std::size_t>(view.stride()) * sizeof(T);
   plane.bytes = (rows - 1) * plane.stride + plane.width * sizeof(T);
+  return plane;
+}
+
+template <typename T>
+stof_plane to_plane(const dsp::ImageView<const T>& view, const client::Frame& frame,
+                    Stream stream) noexcept {
+  stof_plane plane = to_whole_plane(view);
+  if (view.empty()) {
+    return plane;
+  }
   plane.missing = frame.missing_pixels(stream);
   const auto& marks = frame.marks[client::index_of(stream)];
   if (dsp::same_size(marks, view)) {
@@ -167,6 +177,7 @@ stof_frame to_frame(const Taken& taken) noexcept {
     out.calibration = to_calibration(*frame.calibration);
   }
   out.self = &taken;
+  out.exposure_here_ns = taken.exposure_here_ns;
   return out;
 }
 
@@ -183,7 +194,43 @@ stof_health to_health(const wire::HealthReport& report) noexcept {
   out.packets_sent = report.packets_sent;
   out.subscribers = report.subscribers;
   out.settings_revision = report.settings_revision;
+  out.edges = report.counters.edges;
+  out.mispaired = report.counters.mispaired;
+  out.timeouts = report.counters.timeouts;
+  out.deadline_misses = report.counters.deadline_misses;
+  out.link_drops = report.counters.link_drops;
+  out.accepted = report.control.accepted;
+  out.truncated = report.control.truncated;
+  out.bad_magic = report.control.bad_magic;
+  out.bad_version = report.control.bad_version;
+  out.bad_length = report.control.bad_length;
+  out.bad_crc = report.control.bad_crc;
+  out.bad_field = report.control.bad_field;
+  out.not_control = report.control.not_control;
+  out.foreign = report.control.foreign;
+  out.too_short = report.control.too_short;
+  out.cookies = report.control.cookies;
+  out.busy = report.control.busy;
+  out.overrun = report.control.overrun;
+  out.forged = report.control.forged;
+  out.replayed = report.control.replayed;
+  out.serial_sent = report.serial_sent;
+  out.serial_dropped = report.serial_dropped;
+  out.serial_refused = report.serial_refused;
   return out;
+}
+
+stof_health with_age(stof_health health, const client::LinkState& state) noexcept {
+  const client::Duration age = state.health_age.value_or(client::Duration(0));
+  health.age_ns = std::chrono::nanoseconds(age).count();
+  health.silent = state.silent ? 1 : 0;
+  return health;
+}
+
+std::int64_t here_ns(std::int64_t sensor_ns, const client::ClockMapping& mapping) noexcept {
+  // Any bytes may have been a stamp.
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(sensor_ns) +
+                                   static_cast<std::uint64_t>(mapping.offset_ns));
 }
 
 stof_link to_link(const client::LinkState& state) noexcept {
@@ -198,6 +245,43 @@ stof_link to_link(const client::LinkState& state) noexcept {
   out.frame_age_ns = age_ns(state.frame_age);
   out.health_age_ns = age_ns(state.health_age);
   out.calibration_age_ns = age_ns(state.calibration_age);
+  return out;
+}
+
+stof_link_event to_link_event(const client::LinkEvent& event) noexcept {
+  stof_link_event out{};
+  out.condition = 1U << static_cast<unsigned>(event.condition);
+  out.active = event.active ? 1 : 0;
+  out.count = event.count;
+  out.at_ns = since_boot_ns(event.at);
+  return out;
+}
+
+stof_raw to_raw(const client::RawExposure& exposure) noexcept {
+  const wire::RawInfo& info = exposure.info;
+  stof_raw out{};
+  out.device_id = exposure.origin.device_id;
+  out.session_id = exposure.origin.session_id;
+  out.frame_number = exposure.stamp.number;
+  out.freshness = exposure.stamp.freshness;
+  out.number = info.number;
+  out.dropped = info.dropped;
+  out.pictures = info.pictures;
+  out.missing = exposure.missing;
+  out.edge_ns = info.edge_ns;
+  out.exposure_middle_ns = exposure.stamp.exposure_middle_ns;
+  out.column = info.column;
+  out.row = info.row;
+  out.step = info.step;
+  out.camera_width = info.camera_width;
+  out.camera_height = info.camera_height;
+  out.state = info.state;
+  out.pmd_every = info.pmd_every;
+  out.left = to_whole_plane(exposure.left);
+  out.right = to_whole_plane(exposure.right);
+  for (std::size_t sample = 0; sample < exposure.pmd.size(); ++sample) {
+    out.pmd[sample] = to_whole_plane(exposure.pmd[sample]);
+  }
   return out;
 }
 

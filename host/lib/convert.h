@@ -2,16 +2,18 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <optional>
 #include <string_view>
-#include <vector>
 
 #include "firmware/wire/messages/calibration.h"
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
-#include "host/client/frame/point_cloud.h"
+#include "host/client/raw/raw_exposure.h"
 #include "host/client/receiver.h"
+#include "host/client/session/clock_map.h"
+#include "host/client/session/link_events.h"
 #include "host/client/session/link_watch.h"
 #include "host/client/statistics.h"
 #include "host/lib/include/stof/stof.h"
@@ -22,9 +24,18 @@ namespace stof::lib {
 // stof_frame::self points to this.
 struct Taken {
   client::Frame frame;
-  std::vector<client::Point>* points = nullptr;  // of the sensor: keeps its memory
-  client::Receiver* receiver = nullptr;          // that has the images; none: they are kept
+  client::Receiver* receiver = nullptr;  // that has the images; none: they are kept
+  std::int64_t exposure_here_ns = 0;     // 0: unknown
 };
+
+// Of a frame that stof_next() filled in; nullptr: of another one, or of a program that does not
+// know that field.
+inline const Taken* taken_of(const stof_frame* frame) noexcept {
+  constexpr std::size_t kUpToSelf = offsetof(stof_frame, self) + sizeof(stof_frame::self);
+  return frame == nullptr || frame->struct_size < kUpToSelf
+             ? nullptr
+             : static_cast<const Taken*>(frame->self);
+}
 
 // Fills a structure of a caller who may know less of it, or more. False: it says no size.
 template <typename T>
@@ -56,7 +67,13 @@ stof_status to_status(Status status) noexcept;
 stof_frame to_frame(const Taken& taken) noexcept;
 stof_calibration to_calibration(const wire::CalibrationPacket& packet) noexcept;
 stof_health to_health(const wire::HealthReport& report) noexcept;
+// The same, and how old it is by this machine's clock.
+stof_health with_age(stof_health health, const client::LinkState& state) noexcept;
+// CLOCK_MONOTONIC of a stamp of the sensor.
+std::int64_t here_ns(std::int64_t sensor_ns, const client::ClockMapping& mapping) noexcept;
 stof_link to_link(const client::LinkState& state) noexcept;
+stof_link_event to_link_event(const client::LinkEvent& event) noexcept;
+stof_raw to_raw(const client::RawExposure& exposure) noexcept;
 stof_event to_event(const wire::EventReport& report) noexcept;
 stof_statistics to_statistics(const client::Statistics& statistics, int socket_buffer) noexcept;
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <string_view>
 
@@ -54,7 +55,9 @@ size_t stof_struct_size(const char* name) {
       STOF_SIZE(stof_info),    STOF_SIZE(stof_cloud_point), STOF_SIZE(stof_frame),
       STOF_SIZE(stof_point),   STOF_SIZE(stof_health),      STOF_SIZE(stof_event),
       STOF_SIZE(stof_link),    STOF_SIZE(stof_callbacks),   STOF_SIZE(stof_statistics),
-      STOF_SIZE(stof_answer),  STOF_SIZE(stof_found)};
+      STOF_SIZE(stof_answer),  STOF_SIZE(stof_found),       STOF_SIZE(stof_pixel_point),
+      STOF_SIZE(stof_raw),     STOF_SIZE(stof_link_event),  STOF_SIZE(stof_clock),
+      STOF_SIZE(stof_setting)};
 #undef STOF_SIZE
   if (name == nullptr) {
     return 0;
@@ -71,6 +74,13 @@ const char* stof_condition_name(unsigned condition) {
 const char* stof_condition_text(unsigned condition) {
   const auto* const info = info_of(condition);
   return info == nullptr ? kUnknown : info->text;
+}
+
+const char* stof_link_condition_name(unsigned condition) {
+  constexpr std::array kNames{"silent", "restarted", "forged", "delayed", "no key"};
+  return std::has_single_bit(condition)
+             ? name_in(kNames, static_cast<unsigned>(std::countr_zero(condition)))
+             : kUnknown;
 }
 
 const char* stof_severity_name(unsigned severity) {

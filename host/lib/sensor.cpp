@@ -15,7 +15,6 @@ using lib::guarded;
 namespace {
 
 constexpr client::Duration kPoll = std::chrono::milliseconds(100);  // how soon a stop is seen
-constexpr std::size_t kUpToSelf = offsetof(stof_frame, self) + sizeof(stof_frame::self);
 
 client::ReceiverOptions receiver_options(const stof_options& options) {
   client::ReceiverOptions out;
@@ -42,6 +41,18 @@ client::ReceiverOptions receiver_options(const stof_options& options) {
   return out;
 }
 
+constexpr std::uint16_t kMostRawStep = 255;
+
+wire::RawRequest raw_request(const stof_options& options) noexcept {
+  return {.pictures = static_cast<std::uint8_t>(options.raw_pictures & 15U),
+          .step = static_cast<std::uint8_t>(options.raw_step),
+          .every = options.raw_every,
+          .column = options.raw_part[0],
+          .row = options.raw_part[1],
+          .width = options.raw_part[2],
+          .height = options.raw_part[3]};
+}
+
 }  // namespace
 
 void stof_sensor::share() {
@@ -51,6 +62,8 @@ void stof_sensor::share() {
   statistics = now;
   advice = std::move(new_advice);
   watch = receiver.link_watch();
+  const client::Time time = client::Time::clock::now();
+  link_events.look(watch.state(time), receiver.statistics().sessions, time);
   if (receiver.health()) {
     health = lib::to_health(*receiver.health());
   }
@@ -62,7 +75,12 @@ stof_status stof_sensor::receive(client::Duration timeout) {
   if (!frame) {
     return lib::to_status(frame.error());
   }
-  taken = {.frame = *frame, .points = &points, .receiver = &receiver};
+  taken = {.frame = *frame, .receiver = &receiver};
+  const std::scoped_lock lock(shared);
+  clock.add(*frame);
+  if (const auto mapping = clock.mapping(); mapping && !clock.unmappable()) {
+    taken.exposure_here_ns = lib::here_ns(frame->stamp.exposure_middle_ns, *mapping);
+  }
   return STOF_OK;
 }
 
@@ -75,24 +93,52 @@ void stof_sensor::run() noexcept {
       frame.struct_size = sizeof frame;
       callbacks.frame(callbacks.user, &frame);
     }
-    while (const auto event = receiver.take_event()) {
-      stof_event told = lib::to_event(*event);
-      told.struct_size = sizeof told;
-      if (callbacks.event != nullptr) {
-        callbacks.event(callbacks.user, &told);
-      }
-    }
-    const auto& report = receiver.health();
-    if (report && report->uptime_ms != told_health_ms && callbacks.health != nullptr) {
-      told_health_ms = report->uptime_ms;
-      stof_health told = lib::to_health(*report);
-      told.struct_size = sizeof told;
-      callbacks.health(callbacks.user, &told);
-    }
+    call_back_reports();
   }
   if (!stopping && callbacks.failed != nullptr) {
     callbacks.failed(callbacks.user, status);
   }
+}
+
+void stof_sensor::call_back_reports() {
+  while (const auto event = receiver.take_event()) {
+    stof_event told = lib::to_event(*event);
+    told.struct_size = sizeof told;
+    if (callbacks.event != nullptr) {
+      callbacks.event(callbacks.user, &told);
+    }
+  }
+  while (const auto event = take_link_event()) {
+    stof_link_event told = lib::to_link_event(*event);
+    told.struct_size = sizeof told;
+    if (callbacks.link != nullptr) {
+      callbacks.link(callbacks.user, &told);
+    }
+  }
+  while (const auto exposure = receiver.take_raw()) {
+    stof_raw told = lib::to_raw(*exposure);
+    told.struct_size = sizeof told;
+    if (callbacks.raw != nullptr) {
+      callbacks.raw(callbacks.user, &told);
+    }
+  }
+  const auto& report = receiver.health();
+  if (report && report->uptime_ms != told_health_ms && callbacks.health != nullptr) {
+    told_health_ms = report->uptime_ms;
+    stof_health told = lib::with_age(lib::to_health(*report), link_state());
+    told.struct_size = sizeof told;
+    callbacks.health(callbacks.user, &told);
+  }
+}
+
+std::optional<client::LinkEvent> stof_sensor::take_link_event() {
+  const std::scoped_lock lock(shared);
+  return link_events.take();
+}
+
+client::LinkState stof_sensor::link_state() {
+  const std::scoped_lock lock(shared);
+  return watch.state(client::Time::clock::now());
 }
 
 extern "C" {
@@ -131,6 +177,16 @@ stof_status stof_open(const stof_options* options, stof_sensor** sensor, char* w
       wanted.subscription.reread = client::rereading(key_file);
       wanted.reassembler.device_id = meant->device;
     }
+    if (known->raw_pictures != 0) {
+      if (wanted.sensor.empty() || known->raw_step > kMostRawStep) {
+        lib::give_text(
+            "stof_open: raw_pictures: takes a sensor to subscribe at, and a raw_step of "
+            "at most 255",
+            why, why_size);
+        return STOF_BAD_ARGUMENT;
+      }
+      wanted.subscription.raw = raw_request(*known);
+    }
     auto receiver = client::Receiver::open(wanted);
     if (!receiver) {
       lib::give_text(receiver.error().message, why, why_size);
@@ -138,6 +194,7 @@ stof_status stof_open(const stof_options* options, stof_sensor** sensor, char* w
     }
     auto opened = std::make_unique<stof_sensor>(std::move(*receiver), wanted.sensor, key_file,
                                                 known->device_id, known->key_id);
+    opened->raw = known->raw_pictures != 0;
     opened->share();
     *sensor = opened.release();
     return STOF_OK;
@@ -187,62 +244,6 @@ int stof_due_ms(const stof_sensor* sensor) {
   return static_cast<int>(left.count());
 }
 
-stof_status stof_points(const stof_frame* frame, stof_point* points, size_t capacity,
-                        size_t* count) {
-  if (frame == nullptr || frame->struct_size < kUpToSelf || frame->self == nullptr ||
-      count == nullptr || (points == nullptr && capacity != 0)) {
-    return STOF_BAD_ARGUMENT;
-  }
-  return guarded([&] {
-    const auto& taken = *static_cast<const lib::Taken*>(frame->self);
-    *count = 0;
-    if (taken.frame.depth.empty()) {
-      client::cloud_points(taken.frame, *taken.points);
-    } else if (const Status made = client::point_cloud(taken.frame, *taken.points);
-               made != Status::kOk) {
-      return made == Status::kUnsupported ? STOF_NOT_YET : lib::to_status(made);
-    }
-    *count = taken.points->size();
-    for (std::size_t i = 0; i < std::min(*count, capacity); ++i) {
-      const client::Point& point = (*taken.points)[i];
-      points[i] = {.x = point.x,
-                   .y = point.y,
-                   .z = point.z,
-                   .z_width = point.z_width,
-                   .source = static_cast<std::uint32_t>(point.source)};
-    }
-    return *count > capacity ? STOF_TOO_SMALL : STOF_OK;
-  });
-}
-
-stof_status stof_keep(stof_frame* frame, stof_kept** kept) {
-  if (frame == nullptr || frame->struct_size < kUpToSelf || frame->self == nullptr ||
-      kept == nullptr) {
-    return STOF_BAD_ARGUMENT;
-  }
-  return guarded([&] {
-    const auto& taken = *static_cast<const lib::Taken*>(frame->self);
-    if (taken.receiver == nullptr || taken.frame.stamp.number != frame->number) {
-      return STOF_BAD_ARGUMENT;
-    }
-    std::unique_ptr<stof_kept> made;
-    if (*kept == nullptr) {
-      made = std::make_unique<stof_kept>();
-      *kept = made.get();
-    }
-    if (!taken.receiver->keep((*kept)->pixels)) {
-      *kept = made != nullptr ? nullptr : *kept;
-      return STOF_BAD_ARGUMENT;
-    }
-    static_cast<void>(made.release());
-    (*kept)->taken = {.frame = taken.frame, .points = &(*kept)->points, .receiver = nullptr};
-    frame->self = &(*kept)->taken;
-    return STOF_OK;
-  });
-}
-
-void stof_release(stof_kept* kept) { delete kept; }
-
 stof_status stof_get_health(stof_sensor* sensor, stof_health* health) {
   if (sensor == nullptr) {
     return STOF_BAD_ARGUMENT;
@@ -251,7 +252,8 @@ stof_status stof_get_health(stof_sensor* sensor, stof_health* health) {
   if (!sensor->health) {
     return STOF_NOT_YET;
   }
-  return lib::give(health, *sensor->health) ? STOF_OK : STOF_BAD_ARGUMENT;
+  const client::LinkState state = sensor->watch.state(client::Time::clock::now());
+  return lib::give(health, lib::with_age(*sensor->health, state)) ? STOF_OK : STOF_BAD_ARGUMENT;
 }
 
 stof_status stof_get_link(stof_sensor* sensor, stof_link* link) {
@@ -259,8 +261,71 @@ stof_status stof_get_link(stof_sensor* sensor, stof_link* link) {
     return STOF_BAD_ARGUMENT;
   }
   const std::scoped_lock lock(sensor->shared);
-  const client::LinkState state = sensor->watch.state(client::Time::clock::now());
-  return lib::give(link, lib::to_link(state)) ? STOF_OK : STOF_BAD_ARGUMENT;
+  stof_link told = lib::to_link(sensor->watch.state(client::Time::clock::now()));
+  told.restarts = sensor->link_events.restarts();
+  return lib::give(link, told) ? STOF_OK : STOF_BAD_ARGUMENT;
+}
+
+stof_status stof_next_link_event(stof_sensor* sensor, stof_link_event* event) {
+  if (sensor == nullptr || event == nullptr || event->struct_size < sizeof event->struct_size) {
+    return STOF_BAD_ARGUMENT;
+  }
+  if (sensor->running) {
+    return STOF_BUSY;
+  }
+  const auto told = sensor->take_link_event();
+  if (!told) {
+    return STOF_TIMEOUT;
+  }
+  static_cast<void>(lib::give(event, lib::to_link_event(*told)));
+  return STOF_OK;
+}
+
+stof_status stof_get_clock(stof_sensor* sensor, stof_clock* clock) {
+  if (sensor == nullptr || clock == nullptr || clock->struct_size < sizeof clock->struct_size) {
+    return STOF_BAD_ARGUMENT;
+  }
+  const std::scoped_lock lock(sensor->shared);
+  if (sensor->clock.unmappable()) {
+    return STOF_UNSUPPORTED;
+  }
+  const auto mapping = sensor->clock.mapping();
+  if (!mapping) {
+    return STOF_NOT_YET;
+  }
+  stof_clock told{};
+  told.offset_ns = mapping->offset_ns;
+  told.spread_ns = mapping->spread_ns;
+  told.age_ns = std::chrono::nanoseconds(client::Time::clock::now() - mapping->newest).count();
+  static_cast<void>(lib::give(clock, told));
+  return STOF_OK;
+}
+
+stof_status stof_next_raw(stof_sensor* sensor, stof_raw* raw) {
+  if (sensor == nullptr || raw == nullptr || raw->struct_size < sizeof raw->struct_size) {
+    return STOF_BAD_ARGUMENT;
+  }
+  if (sensor->running) {
+    return STOF_BUSY;
+  }
+  if (!sensor->raw) {
+    return STOF_UNSUPPORTED;
+  }
+  return guarded([&] {
+    const auto exposure = sensor->receiver.take_raw();
+    if (!exposure) {
+      switch (sensor->receiver.raw_refusal()) {
+        case wire::SubscribeResult::kRawDenied:
+          return STOF_REFUSED;
+        case wire::SubscribeResult::kRawTaken:
+          return STOF_NOT_YET;
+        default:
+          return STOF_TIMEOUT;
+      }
+    }
+    static_cast<void>(lib::give(raw, lib::to_raw(*exposure)));
+    return STOF_OK;
+  });
 }
 
 stof_status stof_next_event(stof_sensor* sensor, stof_event* event) {

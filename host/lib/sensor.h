@@ -7,11 +7,11 @@
 #include <optional>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "host/client/control/control_client.h"
-#include "host/client/frame/point_cloud.h"
 #include "host/client/receiver.h"
+#include "host/client/session/clock_map.h"
+#include "host/client/session/link_events.h"
 #include "host/lib/convert.h"
 #include "host/lib/include/stof/stof.h"
 
@@ -36,8 +36,8 @@ stof_status guarded(Work&& work) noexcept {
 // NOLINTNEXTLINE(readability-identifier-naming): a name of the C interface.
 struct stof_kept {
   stof::client::FramePixels pixels{};
-  std::vector<stof::client::Point> points{};
   stof::lib::Taken taken{};
+  std::atomic<std::uint32_t> holders{1};
 };
 
 // NOLINTNEXTLINE(readability-identifier-naming): a name of the C interface.
@@ -56,8 +56,8 @@ struct stof_sensor {
   std::string keys;                 // file of keys; empty: none
   std::uint32_t device_id;          // 0: whoever answers
   std::uint32_t key_id;             // that alone counts; 0: any
+  bool raw = false;                 // what the cameras gave was asked for
   stof::lib::Taken taken{};
-  std::vector<stof::client::Point> points{};
 
   std::thread thread{};
   std::atomic<bool> running{false};  // the thread owns the receiver
@@ -71,12 +71,19 @@ struct stof_sensor {
   std::optional<stof_health> health{};
   std::string advice{};
   stof::client::LinkWatch watch;
+  stof::client::LinkEvents link_events{};
+  stof::client::ClockMap clock{};
 
   std::mutex control_mutex{};
   std::unique_ptr<stof::client::ControlClient> control{};
+  std::string schema{};  // of the settings, once it was asked for
 
   // Reads the next frame into `taken` and renews what any thread may ask for.
   stof_status receive(stof::client::Duration timeout);
   void share();
   void run() noexcept;
+  // What came beside a frame, to the callbacks.
+  void call_back_reports();
+  std::optional<stof::client::LinkEvent> take_link_event();
+  stof::client::LinkState link_state();
 };

@@ -17,6 +17,11 @@ constexpr int kBarWidth = 18;
 constexpr int kTick = 5;
 constexpr int kNoneBox = 14;
 
+// Six swatches fit the lowest picture.
+constexpr int kSwatchMargin = 8;
+constexpr int kSwatchHeight = 11;
+constexpr int kSwatchStep = 15;
+
 constexpr int kGlyphWidth = 5;
 constexpr int kGlyphHeight = 7;
 
@@ -25,7 +30,7 @@ struct Glyph {
   char character;
   std::array<std::uint8_t, kGlyphHeight> rows;
 };
-constexpr std::array<Glyph, 19> kGlyphs{{
+constexpr std::array<Glyph, 31> kGlyphs{{
     {'0', {0b01110, 0b10001, 0b10011, 0b10101, 0b11001, 0b10001, 0b01110}},
     {'1', {0b00100, 0b01100, 0b00100, 0b00100, 0b00100, 0b00100, 0b01110}},
     {'2', {0b01110, 0b10001, 0b00001, 0b00110, 0b01000, 0b10000, 0b11111}},
@@ -45,12 +50,32 @@ constexpr std::array<Glyph, 19> kGlyphs{{
     {'r', {0b00000, 0b00000, 0b10110, 0b11001, 0b10000, 0b10000, 0b10000}},
     {'%', {0b11000, 0b11001, 0b00010, 0b00100, 0b01000, 0b10011, 0b00011}},
     {'e', {0b00000, 0b00000, 0b01110, 0b10001, 0b11111, 0b10000, 0b01110}},
+    {'s', {0b00000, 0b00000, 0b01111, 0b10000, 0b01110, 0b00001, 0b11110}},
+    {'t', {0b01000, 0b01000, 0b11100, 0b01000, 0b01000, 0b01001, 0b00110}},
+    {'b', {0b10000, 0b10000, 0b10110, 0b11001, 0b10001, 0b10001, 0b11110}},
+    {'h', {0b10000, 0b10000, 0b10110, 0b11001, 0b10001, 0b10001, 0b10001}},
+    {'l', {0b01100, 0b00100, 0b00100, 0b00100, 0b00100, 0b00100, 0b01110}},
+    {'v', {0b00000, 0b00000, 0b10001, 0b10001, 0b10001, 0b01010, 0b00100}},
+    {'d', {0b00001, 0b00001, 0b01101, 0b10011, 0b10001, 0b10001, 0b01111}},
+    {'c', {0b00000, 0b00000, 0b01110, 0b10000, 0b10000, 0b10001, 0b01110}},
+    {'i', {0b00100, 0b00000, 0b01100, 0b00100, 0b00100, 0b00100, 0b01110}},
+    {'P', {0b11110, 0b10001, 0b10001, 0b11110, 0b10000, 0b10000, 0b10000}},
+    {'M', {0b10001, 0b11011, 0b10101, 0b10101, 0b10001, 0b10001, 0b10001}},
+    {'D', {0b11100, 0b10010, 0b10001, 0b10001, 0b10001, 0b10010, 0b11100}},
 }};
 
 void put(dataset::Image<Rgb>& picture, int x, int y, Rgb colour) {
   if (x >= 0 && x < picture.width && y >= 0 && y < picture.height) {
     picture.view().at(x, y) = colour;
   }
+}
+
+dataset::Image<Rgb> with_panel(const dataset::Image<Rgb>& map) {
+  dataset::Image<Rgb> picture(map.width + kLegendWidth, std::max(map.height, kMinHeight), kPanel);
+  for (int y = 0; y < map.height; ++y) {
+    std::ranges::copy(map.view().row(y), picture.view().row(y).begin());
+  }
+  return picture;
 }
 
 void draw(dataset::Image<Rgb>& picture, int left, const Legend& legend) {
@@ -107,11 +132,25 @@ void draw_text(dataset::Image<Rgb>& picture, int x, int y, std::string_view text
 }
 
 dataset::Image<Rgb> with_legend(const dataset::Image<Rgb>& map, const Legend& legend) {
-  dataset::Image<Rgb> picture(map.width + kLegendWidth, std::max(map.height, kMinHeight), kPanel);
-  for (int y = 0; y < map.height; ++y) {
-    std::ranges::copy(map.view().row(y), picture.view().row(y).begin());
-  }
+  dataset::Image<Rgb> picture = with_panel(map);
   draw(picture, map.width, legend);
+  return picture;
+}
+
+dataset::Image<Rgb> with_swatches(const dataset::Image<Rgb>& map,
+                                  std::span<const std::pair<Rgb, std::string_view>> entries) {
+  dataset::Image<Rgb> picture = with_panel(map);
+  const int left = map.width + kSwatchMargin;
+  int top = kSwatchMargin / 2;
+  for (const auto& [colour, word] : entries) {
+    for (int y = 0; y < kSwatchHeight; ++y) {
+      for (int x = 0; x < kNoneBox; ++x) {
+        put(picture, left + x, top + y, colour);
+      }
+    }
+    draw_text(picture, left + kNoneBox + kTick, top + kSwatchHeight / 2, word, kInk);
+    top += kSwatchStep;
+  }
   return picture;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -23,7 +24,13 @@ inline constexpr int kLegendWidth = 84;
 // The map with the legend drawn beside it. The picture is as high as the map, at least 96 px.
 dataset::Image<Rgb> with_legend(const dataset::Image<Rgb>& map, const Legend& legend);
 
-// Draws `text` (digits, '.', '%', and the letters of "none m near far") with its left edge at x and
+// The map with a swatch and a word for each colour beside it, from the top; six fit any picture.
+// Letters as of draw_text().
+dataset::Image<Rgb> with_swatches(const dataset::Image<Rgb>& map,
+                                  std::span<const std::pair<Rgb, std::string_view>> entries);
+
+// Draws `text` (digits, '.', '%', and the letters of "none m near far stereo PMD both resolved
+// conflict") with its left edge at x and
 // its middle at row y; what lies outside the picture is cut. Unknown characters are blank.
 void draw_text(dataset::Image<Rgb>& picture, int x, int y, std::string_view text, Rgb colour);
 // Width in px that draw_text() covers.

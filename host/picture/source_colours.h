@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <string_view>
 
 #include "host/picture/png.h"
 
@@ -10,6 +11,9 @@ namespace stof::host {
 // conflict. docs: host/README.md.
 inline constexpr std::array<Rgb, 6> kSourceColours{
     {{14, 15, 18}, {66, 133, 200}, {238, 155, 40}, {58, 158, 92}, {150, 96, 190}, {206, 44, 52}}};
+// Beside them, in pictures.
+inline constexpr std::array<std::string_view, kSourceColours.size()> kSourceWords{
+    "none", "stereo", "PMD", "both", "resolved", "conflict"};
 inline constexpr const char* kSourceColoursInWords =
     "blue: stereo, orange: PMD, green: both agree, violet: resolved, red: conflict, black: none";
 

@@ -190,6 +190,7 @@ def refused_at_run(call, error):
 
 def disk_full(world):
     """No settings can be saved; frames do not care."""
+    world.config("set", "depth.max_range_mm=9000")  # there is something to save
     world.refuse_when.touch()
     world.config("save")
     for_a_while(world, 0.1, 0.5)
@@ -208,6 +209,7 @@ read_only.environment = {"STOF_REFUSE": "write:30:0"}  # EROFS
 
 def descriptors(world):
     soft, hard = resource.prlimit(world.sensor.pid, resource.RLIMIT_NOFILE)
+    world.config("set", "depth.max_range_mm=9000")
     resource.prlimit(world.sensor.pid, resource.RLIMIT_NOFILE, (3, hard))
     world.config("save")
     for_a_while(world, 0.1, 1)

@@ -27,6 +27,11 @@ using Operation = wire::SettingsOperation;
 using Document = wire::SettingsDocument;
 using Words = std::span<const std::string>;
 
+// Of a change that no start will know of. What applies at a restart is then in force at no time.
+constexpr const char* kUnsaved = "in force, until the next start: save keeps it";
+constexpr const char* kUnsavedWaits =
+    "taken; save it: some settings come into force with the next start, and only if they are saved";
+
 constexpr const char* kActions =
     "get, set, stage, commit, revert, preset, save, reset, diff or schema";
 
@@ -148,8 +153,7 @@ class Session {
   std::string set(Words words) {
     const std::vector<std::string> texts = pieces(words);
     if (texts.size() == 1) {
-      return done(ask(Operation::kSet, texts.front()),
-                  "in force, until the next start: save keeps it");
+      return done(ask(Operation::kSet, texts.front()), kUnsaved);
     }
     static_cast<void>(ask(Operation::kRevert));
     try {
@@ -195,8 +199,11 @@ class Session {
     }
     const std::string sensor =
         client_.proven() ? " of sensor " + std::to_string(client_.proven()->device) : "";
-    return "revision " + std::to_string(answer.revision) + sensor + ", " + what +
-           (answer.restart ? "; some settings wait for the next start" : "") + "\n" +
+    const bool unsaved = what == std::string_view(kUnsaved);
+    const char* const waits =
+        answer.restart && !unsaved ? "; some settings wait for the next start" : "";
+    return "revision " + std::to_string(answer.revision) + sensor + ", " +
+           (answer.restart && unsaved ? kUnsavedWaits : what) + waits + "\n" +
            (answer.text.empty() ? "" : answer.text + "\n");
   }
 
@@ -229,8 +236,7 @@ std::string act(Session& session, const std::string& action, Words words, const 
   }
   if (action == "preset") {
     expect_words(action, count, 1, 1);
-    return session.change(Operation::kPreset, words[0],
-                          "in force, until the next start: save keeps it");
+    return session.change(Operation::kPreset, words[0], kUnsaved);
   }
   expect_words(action, count, 0, 0);
   if (action == "commit") {
@@ -249,14 +255,24 @@ std::string act(Session& session, const std::string& action, Words words, const 
   return action == "diff" ? session.diff() : session.schema();
 }
 
+constexpr std::array<std::string_view, 10> kNames{"get",    "set",  "stage", "commit", "revert",
+                                                  "preset", "save", "reset", "diff",   "schema"};
+
+bool is_action(std::string_view word) {
+  return std::ranges::find(kNames, word) != kNames.end();
+}
+
+// A sensor may be called "get", where an action follows.
+bool names_no_sensor(Words words) {
+  return words.empty() || (is_action(words[0]) && (words.size() == 1 || !is_action(words[1])));
+}
+
 // Before anything is sent.
 void judge_words(const std::vector<std::string>& words) {
-  constexpr std::array<std::string_view, 10> kNames{"get",    "set",  "stage", "commit", "revert",
-                                                    "preset", "save", "reset", "diff",   "schema"};
   if (words.empty()) {
     throw Failure(Exit::kBadInput, "config: what to do is missing: " + std::string(kActions));
   }
-  if (std::ranges::find(kNames, words[0]) == kNames.end()) {
+  if (!is_action(words[0])) {
     const std::vector<std::string> known(kNames.begin(), kNames.end());
     const std::string near = nearest_word(words[0], known);
     throw Failure(Exit::kBadInput, "config: \"" + words[0] + "\" is none of " + kActions +
@@ -289,8 +305,10 @@ void config(const ConfigOptions& options) {
   ConfigOptions whole = options;
   whole.keys = keys_file(options.keys);
   if (options.serial.empty()) {
-    if (words.empty()) {
-      throw Failure(Exit::kBadInput, "config: which sensor is missing: HOST[:PORT], or --serial");
+    if (names_no_sensor(words)) {
+      throw Failure(Exit::kBadInput, "config: which sensor is missing" +
+                                         (words.empty() ? "" : " before " + words[0]) +
+                                         ": HOST[:PORT], or --serial");
     }
     whole.sensor = words.front();
     words.erase(words.begin());

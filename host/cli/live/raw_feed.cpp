@@ -95,15 +95,14 @@ struct RawFeed::Parts {
         return "the socket failed: start again";
       }
       if (now - heard > patience) {
-        return place_of(options, receiver) +
+        return place_of(receiver) +
                (packets == 0 ? ": no packet came" : ": the sensor fell silent") +
                silence_text(receiver, options.device);
       }
       // Who is denied them is so for good; another one's end some time.
       if (now - seen > 2 * patience ||
           receiver.raw_refusal() == wire::SubscribeResult::kRawDenied) {
-        return place_of(options, receiver) + ": no raw pictures came" +
-               raw_absence(receiver.raw_refusal());
+        return place_of(receiver) + ": no raw pictures came" + raw_absence(receiver.raw_refusal());
       }
     }
     return std::nullopt;

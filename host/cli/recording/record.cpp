@@ -307,7 +307,7 @@ void print_json(const RecordOptions& options, const Recording& session,
 
 void judge(const RecordOptions& options, client::Receiver& receiver, const Recording& session,
            const recording::Recorder::Ended& ended) {
-  const std::string place = place_of(options, receiver);
+  const std::string place = place_of(receiver);
   if (ended.problem) {
     const char* const index = ended.indexed ? "" : ", without an index: stof recover FILE";
     const std::string left = "; the recording ended, what was written whole is there";
@@ -382,7 +382,7 @@ void record(const RecordOptions& options) {
   try {
     client::Receiver receiver = open_receiver(meant, raw_request(meant));
     Recording session(meant, receiver, *recorder, documents_of(meant));
-    session.say("recording " + place_of(meant, receiver) + " to " + meant.file.string());
+    session.say("recording " + place_of(receiver) + " to " + meant.file.string());
     tell_port(meant, receiver);
     session.run();
     session.finish();

@@ -1,7 +1,10 @@
 #include "host/cli/view/frame_copy.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <string_view>
+#include <utility>
 
 #include "host/cli/evaluate/evaluate.h"
 #include "host/cli/failure.h"
@@ -10,6 +13,7 @@
 #include "host/client/frame/point_cloud.h"
 #include "host/picture/depth_picture.h"
 #include "host/picture/disparity_picture.h"
+#include "host/picture/legend.h"
 #include "host/picture/source_colours.h"
 #include "host/text/printed.h"
 
@@ -32,7 +36,7 @@ dsp::ImageView<const T> view(const dataset::Image<T>& image) {
   return image.pixels.empty() ? dsp::ImageView<const T>{} : image.view();
 }
 
-// A newer sensor's sources are white.
+// With a legend. A newer sensor's sources are white.
 dataset::Image<Rgb> source_picture(const dataset::Image<dsp::Source>& source) {
   constexpr Rgb kNewer{255, 255, 255};
   dataset::Image<Rgb> picture(source.width, source.height);
@@ -40,7 +44,11 @@ dataset::Image<Rgb> source_picture(const dataset::Image<dsp::Source>& source) {
     const auto index = static_cast<std::size_t>(one);
     return index < kSourceColours.size() ? kSourceColours[index] : kNewer;
   });
-  return picture;
+  std::array<std::pair<Rgb, std::string_view>, kSourceColours.size()> legend;
+  for (std::size_t i = 0; i < legend.size(); ++i) {
+    legend[i] = {kSourceColours[i], kSourceWords[i]};
+  }
+  return with_swatches(picture, legend);
 }
 
 dataset::Image<float> in_pixels(const dataset::Image<dsp::Disparity>& disparity) {

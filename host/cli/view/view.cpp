@@ -62,7 +62,7 @@ class View {
 
   // The last lines and the files. Throws Failure when less came than was asked for.
   void finish() {
-    const std::string where = place_of(options_, receiver_);
+    const std::string where = place_of(receiver_);
     if (frames_ == 0) {
       const bool heard = receiver_.statistics().packets() != 0;
       throw Failure(Exit::kFailure,
@@ -236,10 +236,10 @@ void view(const ViewOptions& options) {
     }
   }
   client::Receiver receiver = open_receiver(meant, options.raw);
-  say((options.sensor.empty() ? "listening on " : "subscribing at ") + place_of(options, receiver));
+  say((options.sensor.empty() ? "listening on " : "subscribing at ") + place_of(receiver));
   PageView page;
   if (has_page(options)) {
-    page.open(options.page, {.sensor = place_of(options, receiver), .scale = options.scale});
+    page.open(options.page, {.sensor = place_of(receiver), .scale = options.scale});
   }
   tell_port(options, receiver);
   View session(meant, receiver, page);

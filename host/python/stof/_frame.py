@@ -124,6 +124,11 @@ class Frame:
         return self._raw.exposure_middle_ns
 
     @property
+    def exposure_here_ns(self) -> int | None:
+        """The same by CLOCK_MONOTONIC of this machine, time.monotonic_ns(), as Sensor.clock() maps it; None: unknown."""
+        return self._raw.exposure_here_ns or None
+
+    @property
     def first_packet_ns(self) -> int:
         """CLOCK_MONOTONIC of this machine: time.monotonic_ns()."""
         return self._raw.first_packet_ns
@@ -246,14 +251,26 @@ class Frame:
     def points(self) -> numpy.ndarray:
         """(n,) of the pixels that have a depth (or of `cloud`, where depth is not sent): fields x, y, z and z_width (float32,
         metres in the rectified left camera: x right, y down, z forward; the truth lies in z -+ z_width / 2, -1: unknown) and
-        source (uint32, Source; 0: unknown). A new array. NotYet: no calibration yet. One thread at a time."""
-        numpy = _numpy()
-        kind = numpy.dtype([("x", "f4"), ("y", "f4"), ("z", "f4"), ("z_width", "f4"), ("source", "u4")])
+        source (uint32, Source; 0: unknown). A new array. NotYet: no calibration yet. From any thread."""
         raw = self._raw
-        count = ctypes.c_size_t(raw.depth.width * raw.depth.height or raw.cloud.width * raw.cloud.height)
+        most = raw.depth.width * raw.depth.height or raw.cloud.width * raw.cloud.height
+        return self._points(c.library.stof_points, most, [("x", "f4"), ("y", "f4"), ("z", "f4"), ("z_width", "f4"), ("source", "u4")])
+
+    def pixel_points(self) -> numpy.ndarray:
+        """The same of `depth` alone, with the pixel of each: fields x, y, z, z_width, u and v (uint16: column and row), source, cause,
+        grey (uint8, of the left picture there) and has_grey (uint8, 0: it is not sent, or did not arrive there). A new array. NotYet:
+        no calibration yet; Unsupported: depth is not sent. From any thread."""
+        raw = self._raw
+        return self._points(c.library.stof_pixel_points, raw.depth.width * raw.depth.height,
+                            [("x", "f4"), ("y", "f4"), ("z", "f4"), ("z_width", "f4"), ("u", "u2"), ("v", "u2"), ("source", "u1"), ("cause", "u1"),
+                             ("grey", "u1"), ("has_grey", "u1")])
+
+    def _points(self, make: typing.Any, most: int, fields: list[tuple[str, str]]) -> numpy.ndarray:
+        numpy = _numpy()
+        count = ctypes.c_size_t(most)
         while True:
-            points = numpy.empty(count.value, kind)
-            status = c.library.stof_points(raw, points.ctypes.data, points.size, count)
+            points = numpy.empty(count.value, numpy.dtype(fields))
+            status = make(self._raw, points.ctypes.data, points.size, count)
             if status != _TOO_SMALL:
                 break
         if status != _OK:
@@ -296,3 +313,38 @@ class Frame:
         numpy = _numpy()
         # By frombuffer, whose base is the read-only view: nobody can make it writable.
         return numpy.ndarray(shape, kind, numpy.frombuffer(memoryview(memory).toreadonly(), "u1"), strides=(stride, kind.itemsize))
+
+
+class Raw:
+    """What the cameras gave for one exposure, before rectification, bit for bit: open(raw=...). A picture is a numpy array of its
+    own, or None where it was not sent or missed a packet."""
+
+    __slots__ = ("device_id", "session_id", "frame_number", "freshness", "number", "dropped", "edge_ns", "exposure_middle_ns", "state", "complete",
+                 "left", "right", "pmd")
+
+    def __init__(self, raw: c.Raw) -> None:
+        self.device_id: int = raw.device_id
+        self.session_id: int = raw.session_id
+        self.frame_number: int = raw.frame_number  # of the frame that was computed from it
+        self.freshness: int = raw.freshness  # of that frame: the exposure's id
+        self.number: int = raw.number  # from 1, of this request
+        self.dropped: int = raw.dropped  # exposures that the sensor had no time for
+        self.edge_ns: int = raw.edge_ns  # by the sensor's clock, as the next one
+        self.exposure_middle_ns: int = raw.exposure_middle_ns
+        self.state: int = raw.state  # docs/WIRE.md, "raw_info"
+        self.complete: bool = raw.missing == 0
+        self.left: numpy.ndarray | None = self._picture(raw.left, "u1")  # (height, width)
+        self.right: numpy.ndarray | None = self._picture(raw.right, "u1")
+        self.pmd: tuple[numpy.ndarray | None, ...] = tuple(self._picture(plane, "u2") for plane in raw.pmd)  # A0 to A3
+
+    def __repr__(self) -> str:
+        return f"<stof.Raw {self.number} of frame {self.frame_number}{'' if self.complete else ', incomplete'}>"
+
+    @staticmethod
+    def _picture(plane: c.Plane, kind: str) -> numpy.ndarray | None:
+        if not plane.data:
+            return None
+        numpy = _numpy()
+        rows = numpy.frombuffer(ctypes.string_at(plane.data, plane.bytes), numpy.uint8)
+        shape, strides = (plane.height, plane.width), (plane.stride, numpy.dtype(kind).itemsize)
+        return numpy.ndarray(shape, numpy.dtype(kind), rows, 0, strides).copy()

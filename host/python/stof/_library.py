@@ -20,7 +20,8 @@ class Options(ctypes.Structure):
     _name_ = "stof_options"
     _fields_ = [("struct_size", c_uint32), ("device_id", c_uint32), ("sensor", c_char_p), ("bind", c_char_p), ("port", c_uint16),
                 ("reserved", c_uint16), ("socket_buffer", c_uint32), ("max_pixels", c_uint32), ("max_age_ms", c_uint32),
-                ("signed_streams", c_uint32), ("keys", c_char_p), ("key_id", c_uint32), ("reserved_2", c_uint32)]
+                ("signed_streams", c_uint32), ("keys", c_char_p), ("key_id", c_uint32), ("reserved_2", c_uint32), ("raw_pictures", c_uint32),
+                ("raw_every", c_uint16), ("raw_step", c_uint16), ("raw_part", c_uint16 * 4)]
 
 
 class Plane(ctypes.Structure):
@@ -60,7 +61,22 @@ class Frame(ctypes.Structure):
                 ("interval_width", Plane), ("source", Plane), ("cause", Plane), ("disparity", Plane), ("pmd", Plane * 4), ("left", Plane),
                 ("right", Plane), ("cloud", Plane), ("info", Info), ("calibration", Calibration), ("self", c_void_p),
                 ("settings_fingerprint", c_uint32), ("steady_frames", c_uint32), ("calibration_fingerprint", c_uint32),
-                ("reserved2", c_uint32)]
+                ("reserved2", c_uint32), ("exposure_here_ns", c_int64)]
+
+
+class PixelPoint(ctypes.Structure):
+    _name_ = "stof_pixel_point"
+    _fields_ = [("x", c_float), ("y", c_float), ("z", c_float), ("z_width", c_float), ("u", c_uint16), ("v", c_uint16), ("source", c_uint8),
+                ("cause", c_uint8), ("grey", c_uint8), ("has_grey", c_uint8)]
+
+
+class Raw(ctypes.Structure):
+    _name_ = "stof_raw"
+    _fields_ = [("struct_size", c_uint32), ("device_id", c_uint32), ("session_id", c_uint32), ("frame_number", c_uint32), ("freshness", c_uint32),
+                ("number", c_uint32), ("dropped", c_uint32), ("pictures", c_uint32), ("missing", c_uint32), ("reserved", c_uint32),
+                ("edge_ns", c_int64), ("exposure_middle_ns", c_int64), ("column", c_uint16), ("row", c_uint16), ("step", c_uint16),
+                ("reserved2", c_uint16), ("camera_width", c_uint16), ("camera_height", c_uint16), ("state", c_uint16), ("pmd_every", c_uint16),
+                ("left", Plane), ("right", Plane), ("pmd", Plane * 4)]
 
 
 class Point(ctypes.Structure):
@@ -68,11 +84,17 @@ class Point(ctypes.Structure):
     _fields_ = [("x", c_float), ("y", c_float), ("z", c_float), ("z_width", c_float), ("source", c_uint32)]
 
 
+HEALTH_COUNTERS = ("edges", "mispaired", "timeouts", "deadline_misses", "link_drops", "accepted", "truncated", "bad_magic", "bad_version",
+                   "bad_length", "bad_crc", "bad_field", "not_control", "foreign", "too_short", "cookies", "busy", "overrun", "forged", "replayed",
+                   "serial_sent", "serial_dropped", "serial_refused")
+
+
 class Health(ctypes.Structure):
     _name_ = "stof_health"
     _fields_ = [("struct_size", c_uint32), ("active", c_uint32), ("severity", c_uint32), ("reaction", c_uint32), ("uptime_ms", c_uint64),
                 ("rate_hz", c_double), ("latency_s", c_double), ("longest_latency_s", c_double), ("frames_published", c_uint64),
-                ("packets_sent", c_uint64), ("subscribers", c_uint32), ("settings_revision", c_uint32)]
+                ("packets_sent", c_uint64), ("subscribers", c_uint32), ("settings_revision", c_uint32),
+                *((name, c_uint64) for name in HEALTH_COUNTERS), ("age_ns", c_int64), ("silent", c_uint32), ("reserved", c_uint32)]
 
 
 class Event(ctypes.Structure):
@@ -84,7 +106,24 @@ class Event(ctypes.Structure):
 class Link(ctypes.Structure):
     _name_ = "stof_link"
     _fields_ = [("struct_size", c_uint32), ("conditions", c_uint32), ("frame_age_ns", c_int64), ("health_age_ns", c_int64),
-                ("calibration_age_ns", c_int64)]
+                ("calibration_age_ns", c_int64), ("restarts", c_uint32), ("reserved", c_uint32)]
+
+
+class LinkEvent(ctypes.Structure):
+    _name_ = "stof_link_event"
+    _fields_ = [("struct_size", c_uint32), ("condition", c_uint32), ("active", c_uint32), ("count", c_uint32), ("at_ns", c_int64)]
+
+
+class Clock(ctypes.Structure):
+    _name_ = "stof_clock"
+    _fields_ = [("struct_size", c_uint32), ("reserved", c_uint32), ("offset_ns", c_int64), ("spread_ns", c_int64), ("age_ns", c_int64)]
+
+
+class Setting(ctypes.Structure):
+    _name_ = "stof_setting"
+    _fields_ = [("struct_size", c_uint32), ("kind", c_uint32), ("value", c_int64), ("minimum", c_int64), ("maximum", c_int64),
+                ("default_value", c_int64), ("at_restart", c_uint32), ("reserved", c_uint32), ("text", c_char * 64), ("unit", c_char * 16),
+                ("choices", c_char * 160)]
 
 
 COUNTERS = ("packets", "packets_ok", "packets_refused", "packets_unknown", "packets_foreign", "packets_duplicate", "packets_late",
@@ -112,8 +151,8 @@ class Found(ctypes.Structure):
 
 # The first ones never change: they lie in others and in arrays. The others begin with their size, or their
 # size is an argument, and may grow.
-FIXED = (Plane, Calibration, Info, CloudPoint, Point)
-GROWING = (Options, Frame, Health, Event, Link, Statistics, Answer, Found)
+FIXED = (Plane, Calibration, Info, CloudPoint, Point, PixelPoint)
+GROWING = (Options, Frame, Health, Event, Link, LinkEvent, Clock, Setting, Raw, Statistics, Answer, Found)
 
 _SENSOR = c_void_p
 _FUNCTIONS = {
@@ -128,6 +167,16 @@ _FUNCTIONS = {
     "stof_fd": (c_int, [_SENSOR]),
     "stof_due_ms": (c_int, [_SENSOR]),
     "stof_points": (c_int, [POINTER(Frame), c_void_p, c_size_t, POINTER(c_size_t)]),
+    "stof_pixel_points": (c_int, [POINTER(Frame), c_void_p, c_size_t, POINTER(c_size_t)]),
+    "stof_hold": (c_void_p, [c_void_p]),
+    "stof_next_raw": (c_int, [_SENSOR, POINTER(Raw)]),
+    "stof_next_link_event": (c_int, [_SENSOR, POINTER(LinkEvent)]),
+    "stof_link_condition_name": (c_char_p, [c_uint32]),
+    "stof_get_clock": (c_int, [_SENSOR, POINTER(Clock)]),
+    "stof_get_setting": (c_int, [_SENSOR, c_char_p, POINTER(Setting), c_char_p, c_size_t]),
+    "stof_set_integer": (c_int, [_SENSOR, c_char_p, c_int64, c_char_p, c_size_t]),
+    "stof_set_boolean": (c_int, [_SENSOR, c_char_p, c_int, c_char_p, c_size_t]),
+    "stof_set_text": (c_int, [_SENSOR, c_char_p, c_char_p, c_char_p, c_size_t]),
     "stof_get_health": (c_int, [_SENSOR, POINTER(Health)]),
     "stof_next_event": (c_int, [_SENSOR, POINTER(Event)]),
     "stof_condition_name": (c_char_p, [c_uint32]),

@@ -12,10 +12,12 @@ import typing
 
 from . import _library as c
 from ._errors import BadArgument, Busy, Closed, NotFound, Timeout, error_of
-from ._frame import Frame, Pool
-from ._values import Answer, Document, Event, Found, Health, Link, LinkCondition
+from ._frame import Frame, Pool, Raw
+from ._values import Answer, Clock, Document, Event, Found, Health, Link, LinkCondition, LinkEvent, Setting
 
 _OK, _TIMEOUT, _NOT_YET, _TOO_SMALL = 0, 1, 5, 7
+_RAW = {"left": 1, "right": 2, "pmd": 4}
+_RAW_COMPLETE = 8
 _SLICE_S = 0.1  # how soon a Ctrl-C, or a close() of another thread, is seen
 _GET, _SET, _STAGE, _COMMIT, _REVERT, _PRESET, _SAVE, _RESET = range(8)
 _LINE = 512
@@ -79,7 +81,7 @@ def _find(serial: str | None, name: str | None, timeout: float, addresses: typin
 class Sensor:
     """A subscription to one sensor; open() makes it. A context manager, and an iterator of frames.
 
-    Threads: one at a time may wait for frames (next, frames, next_event: else Busy); everything else may be called from any
+    Threads: one at a time may wait for frames (next, frames, next_event, next_link_event: else Busy); everything else may be called from any
     thread, close() too: whoever waits then gets Closed. While a call waits, other Python threads run.
     """
 
@@ -230,6 +232,48 @@ class Sensor:
             _check(c.library.stof_get_link(handle, raw))
         return Link.of(raw)
 
+    def next_link_event(self) -> LinkEvent | None:
+        """The next condition of the link that began or ended, each once, a restart among them; look after every frame, and after a
+        Timeout. None: no more. Busy, Closed."""
+        raw = c.LinkEvent(struct_size=ctypes.sizeof(c.LinkEvent))
+        with self._use(receiving=True) as handle:
+            status = c.library.stof_next_link_event(handle, raw)
+        if status == _TIMEOUT:
+            return None
+        _check(status)
+        return LinkEvent.of(raw)
+
+    def next_raw(self) -> Raw | None:
+        """The next exposure that next() has received beside frames, where open(raw=...) asked for it; look after every frame. None: no
+        more. Unsupported: none was asked for; Refused: they take a key; NotYet: another subscriber has them. Busy, Closed."""
+        raw = c.Raw(struct_size=ctypes.sizeof(c.Raw))
+        with self._use(receiving=True) as handle:
+            status = c.library.stof_next_raw(handle, raw)
+            if status == _TIMEOUT:
+                return None
+            _check(status)
+            return Raw(raw)
+
+    def clock(self) -> Clock | None:
+        """How the sensor's clock maps to this machine's; None: no frame has told it yet. Unsupported: its stamps are of emulated or
+        recorded time. Closed."""
+        raw = c.Clock(struct_size=ctypes.sizeof(c.Clock))
+        with self._use() as handle:
+            status = c.library.stof_get_clock(handle, raw)
+        if status == _NOT_YET:
+            return None
+        _check(status)
+        return Clock.of(raw)
+
+    def setting(self, path: str) -> Setting:
+        """One setting, such as "depth.max_range_mm", and what it takes. BadArgument: the sensor has none of that path; errors as get()."""
+        raw = c.Setting(struct_size=ctypes.sizeof(c.Setting))
+        why = ctypes.create_string_buffer(_LINE)
+        with self._use() as handle:
+            status = c.library.stof_get_setting(handle, _encoded(path, "the path"), raw, why, len(why))
+        _check(status, why.value)
+        return Setting.of(raw)
+
     def statistics(self) -> dict[str, int]:
         """What became of the packets and frames since open(), by cause: the names of stof_statistics in stof.h. Closed."""
         raw = c.Statistics(struct_size=ctypes.sizeof(c.Statistics))
@@ -299,7 +343,7 @@ class Sensor:
 def open(address: str | None = None, *, serial: str | None = None, name: str | None = None,  # noqa: A001
          find_timeout: float = 2.5, addresses: typing.Iterable[str] = (), bind: str | None = None, port: int = 0, device_id: int = 0,
          signed_streams: bool = False, keys: str | None = None, key_id: int = 0, max_age_ms: int = 0, socket_buffer: int = 0,
-         max_pixels: int = 0) -> Sensor:
+         max_pixels: int = 0, raw: typing.Iterable[str] = (), raw_every: int = 0) -> Sensor:
     """Opens a sensor. Does not wait for it, but may block on a name server.
 
     address: "HOST" or "HOST:PORT" (7560 without). Instead of it: serial or name, for which discover() looks for `find_timeout`
@@ -307,7 +351,8 @@ def open(address: str | None = None, *, serial: str | None = None, name: str | N
     device_id: only this one; 0: any. signed_streams: subscribe with a key, and believe only what the sensor signs for this program
     alone (docs/SECURITY.md). keys: file of the keys that requests are signed with, as `stof pair` makes it; None: this user's
     own, "": none. key_id: only the sensor of this key; 0: any. max_age_ms: older frames are dropped and counted; 0: one period
-    and 100 ms. socket_buffer: bytes asked of the system; 0: 4 MiB. max_pixels: of one image; 0: 2 Mi.
+    and 100 ms. socket_buffer: bytes asked of the system; 0: 4 MiB. max_pixels: of one image; 0: 2 Mi. raw: what the cameras gave as well, some of "left", "right" and "pmd", of exposures that have
+    all of them, see Sensor.next_raw(); one subscriber at a time has it, of a paired sensor one with signed_streams. raw_every: of so many frames one; 0: each.
     BadArgument, Unreachable, NotFound, NoMemory.
     """
     if address is not None and (serial is not None or name is not None):
@@ -319,12 +364,17 @@ def open(address: str | None = None, *, serial: str | None = None, name: str | N
         address = found.endpoint
         device_id = device_id or found.device_id
     most = 2**32 - 1
+    names = [raw] if isinstance(raw, str) else list(raw)
+    if any(name not in _RAW for name in names):
+        raise BadArgument(f"raw is {names!r}: takes some of {', '.join(_RAW)}")
+    pictures = sum(_RAW[name] for name in set(names))
     options = c.Options(struct_size=ctypes.sizeof(c.Options), sensor=_encoded(address, "the address"), bind=_encoded(bind, "bind"),
                         port=_integer(port, 65535, "port"), device_id=_integer(device_id, most, "device_id"),
                         signed_streams=bool(signed_streams), keys=_encoded(keys, "keys"), key_id=_integer(key_id, most, "key_id"),
                         max_age_ms=_integer(max_age_ms, most, "max_age_ms"),
                         socket_buffer=_integer(socket_buffer, most, "socket_buffer"),
-                        max_pixels=_integer(max_pixels, most, "max_pixels"))
+                        max_pixels=_integer(max_pixels, most, "max_pixels"), raw_pictures=pictures | _RAW_COMPLETE if pictures else 0,
+                        raw_every=_integer(raw_every, 65535, "raw_every"))
     handle = ctypes.c_void_p()
     why = ctypes.create_string_buffer(_LINE)
     _check(c.library.stof_open(options, handle, why, len(why)), why.value)

@@ -128,12 +128,16 @@ class Health:
     packets_sent: int
     subscribers: int
     settings_revision: int
+    age_s: float  # since it arrived here, when it was asked for
+    silent: bool  # no frame for three periods and 20 ms: what stands above is of before
+    counters: dict[str, int]  # since the sensor's start, by their names in docs/WIRE.md, "Health"
 
     @classmethod
     def of(cls, raw: c.Health) -> Health:
         return cls(tuple(condition_of(bit) for bit in range(32) if raw.active >> bit & 1), known(Severity, raw.severity),
                    known(Reaction, raw.reaction), raw.uptime_ms / 1000, raw.rate_hz, raw.latency_s, raw.longest_latency_s,
-                   raw.frames_published, raw.packets_sent, raw.subscribers, raw.settings_revision)
+                   raw.frames_published, raw.packets_sent, raw.subscribers, raw.settings_revision, raw.age_ns * 1e-9, bool(raw.silent),
+                   {name: getattr(raw, name) for name in c.HEALTH_COUNTERS})
 
 
 @dataclasses.dataclass(frozen=True)
@@ -163,11 +167,64 @@ class Link:
     frame_age_s: float | None
     health_age_s: float | None
     calibration_age_s: float | None
+    restarts: int  # of the sensor since open()
 
     @classmethod
     def of(cls, raw: c.Link) -> Link:
         ages = (None if age < 0 else age * 1e-9 for age in (raw.frame_age_ns, raw.health_age_ns, raw.calibration_age_ns))
-        return cls(LinkCondition(raw.conditions), *ages)
+        return cls(LinkCondition(raw.conditions), *ages, raw.restarts)
+
+
+@dataclasses.dataclass(frozen=True)
+class LinkEvent:
+    """A condition of the link that began or ended; a restart (LinkCondition.RESTARTED) begins, and that is all."""
+
+    condition: LinkCondition
+    active: bool  # it began; else it ended
+    count: int  # how often it has begun
+    at_ns: int  # time.monotonic_ns() of this machine
+
+    @classmethod
+    def of(cls, raw: c.LinkEvent) -> LinkEvent:
+        return cls(LinkCondition(raw.condition), bool(raw.active), raw.count, raw.at_ns)
+
+
+@dataclasses.dataclass(frozen=True)
+class Clock:
+    """From the sensor's clock to time.monotonic_ns() of this machine: here = sensor + offset_ns."""
+
+    offset_ns: int  # too large by the way of the quickest packet of the last seconds, which nobody knows
+    spread_ns: int  # by how much the ways of packets differed
+    age_s: float  # of the newest frame that it was made of
+
+    @classmethod
+    def of(cls, raw: c.Clock) -> Clock:
+        return cls(raw.offset_ns, raw.spread_ns, raw.age_ns * 1e-9)
+
+
+@dataclasses.dataclass(frozen=True)
+class Setting:
+    """A setting and what this sensor takes for it; the installer's limits may allow less."""
+
+    value: int | bool | str
+    minimum: int | None  # of whole numbers; of texts the least bytes
+    maximum: int | None
+    default: int | bool | str | None  # None: of a text, which Sensor.get(Document.DEFAULTS) tells
+    choices: tuple[str, ...]  # empty: it is none of some words
+    unit: str
+    at_restart: bool  # a change is in force after the next start, where it was saved
+
+    @classmethod
+    def of(cls, raw: c.Setting) -> Setting:
+        text, unit, choices = c.text(raw.text), c.text(raw.unit), tuple(c.text(raw.choices).split())
+        restart = bool(raw.at_restart)
+        if raw.kind == 0:
+            return cls(raw.value, raw.minimum, raw.maximum, raw.default_value, (), unit, restart)
+        if raw.kind == 1:
+            return cls(bool(raw.value), None, None, bool(raw.default_value), (), unit, restart)
+        if raw.kind == 2:
+            return cls(text, None, None, choices[raw.default_value] if 0 <= raw.default_value < len(choices) else None, choices, unit, restart)
+        return cls(text, raw.minimum, raw.maximum, None, (), unit, restart)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -38,8 +38,8 @@ std::string chip(Verdict verdict) {
 std::string claim_box(const Claim& claim) {
   return "<div class=\"claim\"><dl><dt>A claim of the chapter, in our words</dt><dd>" +
          escaped(claim.chapter) + "</dd><dt>Measured here</dt><dd>" + escaped(claim.measured) +
-         "</dd><dt>Holds here</dt><dd>" + chip(claim.verdict) + " <span class=\"rule\">" +
-         escaped(claim.rule) + "</span></dd></dl></div>\n";
+         "</dd><dt>Holds here</dt><dd>" + chip(claim.verdict) +
+         "</dd><dt>Rule</dt><dd class=\"rule\">" + escaped(claim.rule) + "</dd></dl></div>\n";
 }
 
 std::string row_of(const std::vector<std::string>& cells, const Table& table,

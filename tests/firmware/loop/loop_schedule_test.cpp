@@ -61,6 +61,16 @@ TEST(LoopSchedule, KeepsThePeriodExactly) {
   EXPECT_EQ(rig.events.counters.unpaired_edges, 0U);
 }
 
+// The step that changes to publishing in the frame's own period would publish two.
+TEST(LoopSchedule, PublishesNoMoreThanItWasToldTo) {
+  Rig rig;
+  Receiver receiver;
+  rig.loop.end_after(1);
+  run(rig, receiver, 10);
+  EXPECT_EQ(receiver.frames.size(), 1U);
+  EXPECT_EQ(rig.events.counters.published, 1U);
+}
+
 TEST(LoopSchedule, EveryWaitEndsAtTheNextEdge) {
   Rig rig({.faults = {.stereo = {emu::Fault{.kind = emu::FaultKind::kDrop, .call = 0, .every = 2}},
                       .pmd = {emu::Fault{.kind = emu::FaultKind::kDrop, .call = 0, .every = 3}}}});

@@ -155,6 +155,19 @@ TEST(MakePlan, RefusesAPeriodThatTheCamerasOrTheWatchdogCannotFollow) {
   settings.period_ms = 40;
   EXPECT_TRUE(make_run_config(rig, board::kConfig, settings));
 
+  // Shorter than the exposure: the number that is told is the shortest that is taken.
+  rig.least_period = {};
+  settings.period_ms = 1;
+  const auto shortest = make_run_config(rig, board::kConfig, settings);
+  ASSERT_FALSE(shortest);
+  const std::size_t at = shortest.error().find("takes at least ");
+  ASSERT_NE(at, std::string::npos) << shortest.error();
+  const int told = std::stoi(shortest.error().substr(at + 15));
+  settings.period_ms = told - 1;
+  EXPECT_FALSE(make_run_config(rig, board::kConfig, settings));
+  settings.period_ms = told;
+  EXPECT_TRUE(make_run_config(rig, board::kConfig, settings));
+
   board::Config watched = board::kConfig;
   watched.devices.watchdog_timeout = std::chrono::seconds(15);
   settings.period_ms = 5001;

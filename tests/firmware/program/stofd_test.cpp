@@ -97,7 +97,7 @@ TEST_F(StofdTest, HelpNamesEveryFlagAndTheExitCodes) {
   for (const char* const word :
        {"--frames", "--period-ms", "--calibration", "--disparities", "--block", "--lr", "--preset",
         "--subpixel", "--to", "--scene", "--dataset", "--tof", "--truth", "--free-run", "--fault",
-        "Exit codes"}) {
+        "Exit codes", "1..256; 0 (default): what the rig asks for"}) {
     EXPECT_NE(ended.out.find(word), std::string::npos) << word;
   }
 }

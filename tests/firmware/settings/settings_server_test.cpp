@@ -12,6 +12,7 @@
 #include "firmware/settings/fields/document.h"
 #include "firmware/settings/fields/presets.h"
 #include "firmware/settings/saved_settings.h"
+#include "firmware/settings/text/as_text.h"
 #include "hal/emu/devices/store.h"
 #include "tests/firmware/settings/settings_server_fixture.h"
 
@@ -218,6 +219,83 @@ TEST_F(SettingsServerTest, TellsWhatCouldNotBeSaved) {
                 .result,
             Result::kNotSaved);
   EXPECT_EQ(without.active().name.view(), "b");
+  EXPECT_FALSE(without.unsaved()) << "nothing was ever promised: the sensor is well";
+}
+
+// What a command line adds at each start is not written to the file, unless somebody asks for it.
+TEST_F(SettingsServerTest, DoesNotSaveWhatTheCommandLineAloneSet) {
+  Settings active;
+  active.udp_port = 7000;
+  active.depth.max_range_mm = 5000;
+  active.name = decltype(active.name)("line");
+  SettingsServer server(active, Settings{}, {.limits = board_, .sink = board_, .store = &store_});
+  const auto ask_server = [&](Operation operation, const std::string& text = "") {
+    std::array<std::byte, 256> space{};
+    std::size_t bytes = 0;
+    return server
+        .serve({.operation = operation}, std::as_bytes(std::span(text)),
+               {.peer = peer_, .now = now_, .access = access_, .key_id = key_id_}, space, bytes)
+        .result;
+  };
+  const auto saved = [&] {
+    std::array<char, 256> space;
+    PagedWriter line(space);
+    return load_settings({store_, good_, trial_}, "x.json", &board_, line).settings;
+  };
+  EXPECT_EQ(ask_server(Operation::kSave), Result::kOk);
+  EXPECT_EQ(store_.saves(), 0) << "there is nothing to save";
+  EXPECT_EQ(ask_server(Operation::kSet, R"({"depth": {"guided": true, "max_range_mm": 5000}})"),
+            Result::kOk);
+  EXPECT_EQ(ask_server(Operation::kSave), Result::kOk);
+  Settings wanted;
+  wanted.depth.guided = true;
+  wanted.depth.max_range_mm = 5000;  // the request named it
+  EXPECT_EQ(saved(), wanted);
+  EXPECT_NE(server.saved_in_force(), nullptr) << "what a command line adds does not count";
+  EXPECT_EQ(ask_server(Operation::kStage, R"({"name": "line"})"), Result::kOk);
+  EXPECT_EQ(ask_server(Operation::kCommit), Result::kOk);
+  wanted.name = active.name;
+  EXPECT_EQ(saved(), wanted);
+  EXPECT_EQ(ask_server(Operation::kReset), Result::kOk);
+  EXPECT_EQ(ask_server(Operation::kSave), Result::kOk);
+  EXPECT_EQ(saved(), Settings{});
+  EXPECT_EQ(server.active().udp_port, 7000) << "where it listens";
+}
+
+// Alone, what the command line completes may be nothing that the sensor can run with.
+TEST_F(SettingsServerTest, SavesNothingThatNeedsTheCommandLine) {
+  Settings saved;
+  saved.depth.disparities = 200;  // too many for this board
+  SettingsServer server(Settings{}, saved, {.limits = board_, .sink = board_, .store = &store_});
+  std::array<std::byte, 256> space{};
+  std::size_t bytes = 0;
+  const std::string text = R"({"name": "b"})";
+  const firmware::Requester by{.peer = peer_, .now = now_, .access = access_};
+  static_cast<void>(server.serve({.operation = Operation::kSet}, std::as_bytes(std::span(text)), by,
+                                 space, bytes));
+  EXPECT_EQ(server.serve({.operation = Operation::kSave}, {}, by, space, bytes).result,
+            Result::kNotSaved);
+  EXPECT_EQ(store_.saves(), 0);
+}
+
+TEST_F(SettingsServerTest, WarnsWhoeverClosesTheLineThatHeAsksOver) {
+  const std::string mavlink = R"({"serial": {"mode": "mavlink"}})";
+  ASSERT_EQ(ask(Operation::kSet, R"({"serial": {"mode": "stof"}})").text, "");
+  EXPECT_EQ(ask(Operation::kSet, mavlink).text, "") << "over the network it can be set back";
+  ASSERT_EQ(ask(Operation::kSet, R"({"serial": {"mode": "stof"}})").text, "");
+  peer_ = {};  // a line that leads to strangers
+  EXPECT_NE(ask(Operation::kSet, mavlink).text.find("takes no more requests"), std::string::npos);
+  Settings over_line;
+  over_line.serial.mode = SerialMode::kStof;
+  SettingsServer server(over_line, Settings{}, {.limits = board_, .sink = board_});
+  std::array<std::byte, 256> space{};
+  std::size_t bytes = 0;
+  const auto answer =
+      server.serve({.operation = Operation::kSet}, std::as_bytes(std::span(mavlink)),
+                   {.peer = std::nullopt, .access = firmware::Access::kAdmin}, space, bytes);
+  EXPECT_EQ(answer.result, Result::kOk);
+  EXPECT_NE(as_text(std::span(space).first(bytes)).find("takes no more requests"),
+            std::string_view::npos);
 }
 
 // Flash wears out: a stranger who saves a hundred times a second must not end a sensor's life.
@@ -287,6 +365,10 @@ TEST_F(SettingsServerTest, AnswersWhatItDoesNotKnow) {
   EXPECT_EQ(ask(Operation::kGet, "", Document{5}).result, Result::kUnsupported);
   EXPECT_EQ(ask(Operation::kSet, "").result, Result::kInvalid);
   EXPECT_EQ(ask(Operation::kSet, "{", {}, 0, 0).result, Result::kInvalid);
+  // What a text says is told with what it takes.
+  const Answer value = ask(Operation::kSet, R"({"streams": {"depth": "foo"}})");
+  EXPECT_EQ(value.result, Result::kInvalid);
+  EXPECT_EQ(value.text, "streams.depth: takes off, raw, rvl or fit, not \"foo\"");
 }
 
 TEST_F(SettingsServerTest, NextStartBeginsWithWhatWasSaved) {

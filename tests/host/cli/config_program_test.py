@@ -82,6 +82,9 @@ class Config(unittest.TestCase):
 
     def test_bad_command_lines(self):
         self.refuse(2, "which sensor", )
+        self.refuse(2, "which sensor is missing before get", "get")
+        self.refuse(2, "which sensor is missing before set", "set", "name=arm")
+        self.refuse(2, "--device", "127.0.0.1:1", "get", "--device", "0")
         self.refuse(2, "what to do", "127.0.0.1:1")
         self.refuse(2, "erase", "127.0.0.1:1", "erase")
         self.refuse(2, "nothing to change", "127.0.0.1:1", "set")
@@ -103,7 +106,11 @@ class Config(unittest.TestCase):
         self.assertEqual(self.ask("get", "depth.preset"), "quality\n")
         self.assertEqual(self.ask("get", "depth.max_range_mm"), "3000\n")
         self.assertEqual(sorted(json.loads(self.ask("diff", "--json"))),
-                         ["depth.max_range_mm", "depth.preset", "discovery.beacon", "discovery.mdns", "name"])
+                         ["depth.max_range_mm", "depth.preset", "discovery.beacon", "discovery.mdns", "name", "udp.port"])
+        self.assertEqual(self.ask("get", "udp.port").strip(), self.address.rpartition(":")[2], "the port that is listened at")
+        # What the command line alone set is in force, and not in the file.
+        saved = json.loads(self.file.read_text(encoding="utf-8"))
+        self.assertEqual((saved["discovery"]["mdns"], saved["udp"]["port"]), (True, 7560))
 
     def test_a_damaged_file_is_told_and_kept(self):
         damaged = '{"name": "arm", "period_ms": 50'

@@ -92,6 +92,11 @@ TEST_F(ConfigTest, SetsValuesOfEveryType) {
   EXPECT_EQ(run({"set", "name=\"12\""}).substr(0, 10), "revision 3");
   EXPECT_EQ(sensor_.server.active().name.view(), "12");
   EXPECT_EQ(run({"set", "udp.port=7000"}, {.json = true}), "{\"revision\":4,\"restart\":true}\n");
+  // In force at no time as long as it is not saved, and so it is said.
+  EXPECT_EQ(run({"set", "udp.port=7001"}),
+            "revision 5, taken; save it: some settings come into force with the next start, and "
+            "only if they are saved\n");
+  EXPECT_EQ(run({"save"}), "revision 5, saved; some settings wait for the next start\n");
 }
 
 TEST_F(ConfigTest, RefusalsOfTheSensorAreTheLine) {

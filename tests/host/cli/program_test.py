@@ -121,6 +121,10 @@ class BadInput(Program):
                           ["view", "--near", "3", "--far", "2"], ["view", "--near", "0"]):
             with self.subTest(arguments):
                 self.refuse(2, [], *arguments)
+        for flag, value in (("--frames", "-5"), ("--timeout", "0"), ("--timeout", "1e300"), ("--device", "0"), ("--device", "-1")):
+            with self.subTest(flag):
+                self.refuse(2, [flag], "view", flag, value)
+                self.assertLess(len(self.run_stof("view", flag, value).stderr), 160, "one line for a person")
 
     def test_options_that_do_not_go_together(self):
         scene = self.write_scene()
@@ -258,6 +262,11 @@ class BadInput(Program):
 
     def test_an_address_that_is_none(self):
         self.refuse(2, ["no.such.address"], "view", "--bind", "no.such.address", "--timeout", "1")
+        # Of another machine: another port would not help.
+        self.refuse(2, ["192.0.2.1", "no interface of this machine has that address"], "view", "--bind", "192.0.2.1", "--port", 0)
+        for flag, value in (("--bind", "192.0.2.1"), ("--port", 7561)):
+            for command in (("view", "127.0.0.1:1"), ("record", "127.0.0.1:1", self.folder / "x.mcap")):
+                self.refuse(2, [f"{flag}: is where a sensor that sends by itself", "beside 127.0.0.1:1 leave it out"], *command, flag, value)
         self.refuse(2, ["HOST:PORT", "'localhost:x'"], "view", "localhost:x")
 
 

@@ -20,9 +20,15 @@ inline std::string endpoint(const Sensor& sensor) {
   return "127.0.0.1:" + std::to_string(sensor.number());
 }
 
-inline stof::Sensor open(const Sensor& sensor) {
+// patient: takes frames however long they lay in this machine's queue, where many are sent and one
+// that a busy machine reads too late would be missed.
+inline stof::Sensor open(const Sensor& sensor, bool patient = false) {
   std::string why;
-  auto opened = stof::Sensor::open(endpoint(sensor), &why);
+  const std::string at = endpoint(sensor);
+  stof_options options = STOF_INIT(stof_options);
+  options.sensor = at.c_str();
+  options.max_age_ms = patient ? 60'000 : 0;
+  auto opened = stof::Sensor::open(options, &why);
   if (!opened) {
     ADD_FAILURE() << why;
     std::abort();

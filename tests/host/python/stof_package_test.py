@@ -316,12 +316,44 @@ class Settings(WithSensor):
             error = self.one_line(stof.Refused, sensor.set, {"streams": {"depth": "foo"}}, holds="streams.depth: takes")
             self.assertEqual(error.status, 8)
             self.one_line(stof.Refused, sensor.preset, "moon")
+            parity, depth, period = (sensor.setting(path) for path in ("streams.parity", "streams.depth", "period_ms"))
+            self.assertEqual((parity.value, parity.default, parity.choices), (True, False, ()))
+            self.assertEqual((depth.value, depth.choices), ("fit", ("off", "raw", "rvl", "fit")))
+            self.assertEqual((period.minimum, period.maximum, period.unit), (0, 60000, "ms"))
+            self.one_line(stof.BadArgument, sensor.setting, "depth.moon", holds="no such setting")
             self.one_line(stof.BadArgument, sensor.set, {"a": {1, 2}})
             self.one_line(stof.BadArgument, sensor.set, {"a": math.nan})
 
     def test_without_a_named_sensor_it_is_not_supported(self):
         with stof.open(bind="127.0.0.1", port=int(self.address.split(":")[1]) % 20000 + 20000) as sensor:
             self.one_line(stof.Unsupported, sensor.get, holds="name the sensor")
+
+
+class RawPictures(WithSensor):
+    OPTIONS = {"pmd": "32x24", "period_ms": 50}
+
+    def test_what_the_cameras_gave_comes_beside_frames(self):
+        with self.open(keys="", raw=("left", "right", "pmd"), raw_every=2) as sensor:
+            end = time.monotonic() + support.ENOUGH_S
+            frames, exposures = {}, []
+            while len(exposures) < 2 and time.monotonic() < end:
+                frame = sensor.next(LONG_S)
+                frames[frame.number] = frame
+                while (exposure := sensor.next_raw()) is not None:
+                    exposures.append(exposure)
+            self.assertEqual(len(exposures), 2)
+            for exposure in exposures:
+                self.assertTrue(exposure.complete)
+                self.assertEqual((exposure.left.dtype, exposure.left.shape), ("uint8", exposure.right.shape))
+                self.assertEqual([sample.dtype for sample in exposure.pmd], ["uint16"] * 4)
+                self.assertGreater(int(exposure.left.max()), int(exposure.left.min()), "a picture")
+                self.assertFalse((exposure.left == exposure.right).all())
+                if exposure.frame_number in frames:
+                    self.assertEqual(exposure.exposure_middle_ns, frames[exposure.frame_number].exposure_middle_ns)
+            self.assertGreater(exposures[1].number, exposures[0].number)
+        with self.open(keys="") as sensor:
+            self.one_line(stof.Unsupported, sensor.next_raw)
+        self.one_line(stof.BadArgument, lambda: self.open(raw="middle"), holds="left, right, pmd")
 
 
 class Health(WithSensor):
@@ -337,6 +369,19 @@ class Health(WithSensor):
             self.assertIsInstance(health.reaction, stof.Reaction)
             self.assertEqual(health.subscribers, 1)
             self.assertGreater(health.rate_hz, 0)
+            self.assertGreater(health.counters["edges"], 0)
+            self.assertGreaterEqual(health.age_s, 0)
+            self.assertFalse(health.silent)
+            frame = sensor.next(LONG_S)
+            while frame.calibration is None:
+                frame = sensor.next(LONG_S)
+            points = frame.pixel_points()
+            self.assertEqual(len(points), (frame.depth > 0).sum())
+            self.assertTrue((points["z"] == frame.points()["z"]).all())
+            self.assertTrue((frame.depth[points["v"], points["u"]] > 0).all())
+            # Its clock is this machine's: what was exposed was so before it came.
+            self.assertLessEqual(frame.exposure_here_ns, frame.first_packet_ns)
+            self.assertGreaterEqual(sensor.clock().spread_ns, 0)
             self.assertNotIn(stof.LinkCondition.SILENT, sensor.link().conditions)
             self.assertLess(sensor.link().frame_age_s, 5)
             statistics = sensor.statistics()
@@ -350,6 +395,10 @@ class Health(WithSensor):
                 except stof.Timeout:
                     break
             self.assertIn(stof.LinkCondition.SILENT, sensor.link().conditions)
+            told = []
+            while (event := sensor.next_link_event()) is not None:
+                told.append((event.condition, event.active))
+            self.assertIn((stof.LinkCondition.SILENT, True), told)
 
 
 class Finding(WithSensor):

@@ -53,6 +53,9 @@ TEST(Page, ListsEveryClaimAtItsTopWithALinkToItsSection) {
   EXPECT_NE(top.find("href=\"#one\""), std::string::npos);
   EXPECT_NE(top.find("partly"), std::string::npos);
   EXPECT_EQ(page.verdicts(), "partly        A is <B\n");
+  // The rule stands for itself: "[no] yes: in every case" reads as two verdicts.
+  EXPECT_NE(html.substr(section).find("partly</span></dd><dt>Rule</dt><dd class=\"rule\">r</dd>"),
+            std::string::npos);
 }
 
 TEST(Page, LeavesOutTablesAndGroupsWithoutContent) {

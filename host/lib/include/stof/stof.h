@@ -91,6 +91,12 @@ typedef struct stof_options {
   uint32_t key_id;  /* only the sensor of this key of `keys`: a number any sensor can say of itself,
                        a key it cannot; 0: any */
   uint32_t reserved_2; /* 0 */
+  /* What the cameras gave as well, see stof_next_raw(); one subscriber at a time has it, and of a
+   * paired sensor one with signed_streams. */
+  uint32_t raw_pictures; /* the sum of STOF_RAW_...; 0: none */
+  uint16_t raw_every;    /* one exposure of so many frames; 0: each */
+  uint16_t raw_step;     /* one column and row of so many, at most 255; 0: each */
+  uint16_t raw_part[4];  /* column, row, width, height of the pair's pictures; 0: all that follow */
 } stof_options;
 
 /* Does not wait for the sensor, but may block on a name server. `why` (may be NULL) gets one line
@@ -236,6 +242,9 @@ typedef struct stof_frame {
    * told it, absent. 0: unknown, as above. */
   uint32_t calibration_fingerprint;
   uint32_t reserved2;
+  /* exposure_middle_ns by CLOCK_MONOTONIC of this machine, as stof_get_clock() maps it; 0: unknown,
+   * or the library is older than this field. */
+  int64_t exposure_here_ns;
 } stof_frame;
 
 /* The next frame, also an incomplete one (missing_packets). Blocks for timeout_ms at most, 0 only
@@ -252,8 +261,14 @@ STOF_API stof_status stof_next(stof_sensor* sensor, int timeout_ms, stof_frame* 
  */
 typedef struct stof_kept stof_kept;
 STOF_API stof_status stof_keep(stof_frame* frame, stof_kept** kept);
-/* NULL is nothing. From any thread. */
+/* One holder less, and with the last one the frame ends. NULL is nothing. From any thread. */
 STOF_API void stof_release(stof_kept* kept);
+/* One holder more, who calls stof_release() as well: several readers, on threads of their own, hold
+ * one frame, of which there is one copy. Each has a stof_frame of his own, as a copy of the one
+ * that was kept. Nobody writes to the pixels; stof_keep() into a frame that others hold as well
+ * leaves it to them and makes another. Returns `kept`. From any thread of a holder; NULL is
+ * nothing. */
+STOF_API stof_kept* stof_hold(stof_kept* kept);
 
 /* For poll(): readable when stof_next(sensor, 0, ...) has something to do. -1: no sensor. */
 STOF_API int stof_fd(const stof_sensor* sensor);
@@ -274,6 +289,66 @@ typedef struct stof_point { /* metres in the rectified left camera: x right, y d
 STOF_API stof_status stof_points(const stof_frame* frame, stof_point* points, size_t capacity,
                                  size_t* count);
 
+typedef struct stof_pixel_point { /* a point, and the pixel that it is of */
+  float x;                        /* as stof_point */
+  float y;
+  float z;
+  float z_width;
+  uint16_t u;       /* column of the depth image */
+  uint16_t v;       /* row */
+  uint8_t source;   /* stof_source */
+  uint8_t cause;    /* stof_cause; 0: none, or it did not arrive */
+  uint8_t grey;     /* of the left picture at that pixel */
+  uint8_t has_grey; /* 0: the left picture is not sent, of another size, or did not arrive there */
+} stof_pixel_point;
+
+/* One for each pixel of `depth`, in raster order; otherwise as stof_points().
+ * STOF_UNSUPPORTED: depth is not sent; points of the cloud have no pixel. */
+STOF_API stof_status stof_pixel_points(const stof_frame* frame, stof_pixel_point* points,
+                                       size_t capacity, size_t* count);
+
+/* ---- Raw pictures -------------------------------------------------------------------------- */
+
+/* What the cameras gave for one exposure, before rectification, bit for bit, where
+ * stof_options.raw_pictures asked for it. A picture is there as a whole or not at all.
+ * docs/WIRE.md, "Raw pictures". */
+#define STOF_RAW_LEFT 1U
+#define STOF_RAW_RIGHT 2U
+#define STOF_RAW_PMD 4U
+#define STOF_RAW_COMPLETE 8U /* only exposures that have all of these */
+
+typedef struct stof_raw {
+  uint32_t struct_size;
+  uint32_t device_id;
+  uint32_t session_id;
+  uint32_t frame_number; /* of the frame that was computed from it */
+  uint32_t freshness;    /* of that frame: the exposure's id */
+  uint32_t number;       /* from 1, of this request */
+  uint32_t dropped;      /* exposures that the sensor had no time for */
+  uint32_t pictures;     /* that were sent, the sum of STOF_RAW_... */
+  uint32_t missing;      /* of these, those that missed a packet */
+  uint32_t reserved;
+  int64_t edge_ns;
+  int64_t exposure_middle_ns;
+  uint16_t column; /* where the part begins, pixels of the camera */
+  uint16_t row;
+  uint16_t step;
+  uint16_t reserved2;
+  uint16_t camera_width;
+  uint16_t camera_height;
+  uint16_t state;
+  uint16_t pmd_every;
+  stof_plane left; /* uint8_t */
+  stof_plane right;
+  stof_plane pmd[4]; /* uint16_t, A0 to A3 */
+} stof_raw;
+
+/* The next exposure that stof_next() has received; look after each, two are kept. Valid until the
+ * next stof_next_raw() or stof_next(). STOF_TIMEOUT: none. STOF_UNSUPPORTED: none was asked for.
+ * STOF_REFUSED: they take a key; STOF_NOT_YET: another subscriber has them, and this one asks on.
+ * STOF_BUSY, STOF_BAD_ARGUMENT. */
+STOF_API stof_status stof_next_raw(stof_sensor* sensor, stof_raw* raw);
+
 /* ---- Health and events --------------------------------------------------------------------- */
 
 typedef struct stof_health {
@@ -289,6 +364,35 @@ typedef struct stof_health {
   uint64_t packets_sent;
   uint32_t subscribers;
   uint32_t settings_revision;
+  /* Counters since the sensor's start, each as its namesake of "Health" in docs/WIRE.md. 0 where
+   * the library is older. */
+  uint64_t edges;
+  uint64_t mispaired;
+  uint64_t timeouts;
+  uint64_t deadline_misses;
+  uint64_t link_drops;
+  uint64_t accepted;
+  uint64_t truncated;
+  uint64_t bad_magic;
+  uint64_t bad_version;
+  uint64_t bad_length;
+  uint64_t bad_crc;
+  uint64_t bad_field;
+  uint64_t not_control;
+  uint64_t foreign;
+  uint64_t too_short;
+  uint64_t cookies;
+  uint64_t busy;
+  uint64_t overrun;
+  uint64_t forged;
+  uint64_t replayed;
+  uint64_t serial_sent;
+  uint64_t serial_dropped;
+  uint64_t serial_refused;
+  /* By this machine's clock, when the function was called. */
+  int64_t age_ns;  /* since it arrived */
+  uint32_t silent; /* 1: no frame for three periods and 20 ms: what stands above is of before */
+  uint32_t reserved;
 } stof_health;
 
 typedef struct stof_event {
@@ -333,10 +437,44 @@ typedef struct stof_link {
   int64_t frame_age_ns;       /* since the newest frame arrived here; -1: there was none */
   int64_t health_age_ns;      /* likewise of what stof_get_health() tells */
   int64_t calibration_age_ns; /* likewise */
+  uint32_t restarts;          /* of the sensor since stof_open(), as far as stof_next() has seen */
+  uint32_t reserved;
 } stof_link;
 
 /* As of now, also while nobody calls stof_next(). From any thread. */
 STOF_API stof_status stof_get_link(stof_sensor* sensor, stof_link* link);
+
+/* The same as events. A restart is one that begins and never ends: whoever reads them all misses
+ * none, however short it was. */
+typedef struct stof_link_event {
+  uint32_t struct_size;
+  uint32_t condition; /* one of STOF_LINK_... */
+  uint32_t active;    /* 1: it began, 0: it ended */
+  uint32_t count;     /* how often it has begun */
+  int64_t at_ns;      /* here, when stof_next() saw it */
+} stof_link_event;
+
+/* The next one, each once, in their order; 64 are kept, the newest. stof_next() makes them, also
+ * one that ends with STOF_TIMEOUT. STOF_TIMEOUT: none. STOF_BUSY. */
+STOF_API stof_status stof_next_link_event(stof_sensor* sensor, stof_link_event* event);
+/* "silent"; from any thread, never NULL. */
+STOF_API const char* stof_link_condition_name(unsigned condition);
+
+/* From the sensor's clock to this machine's CLOCK_MONOTONIC: here = sensor + offset_ns. Of the
+ * smallest difference between arrival and sending of the last 2 to 4 seconds. It is too large by
+ * the way of the quickest packet (tenths of a millisecond in a wired network), which nobody can
+ * measure by listening, and follows clocks that drift by 200 ppm within a millisecond. */
+typedef struct stof_clock {
+  uint32_t struct_size;
+  uint32_t reserved;
+  int64_t offset_ns;
+  int64_t spread_ns; /* by how much the ways of these frames differed */
+  int64_t age_ns;    /* of the newest frame that it was made of */
+} stof_clock;
+
+/* From any thread. STOF_NOT_YET: no frame has told it. STOF_UNSUPPORTED: stamps are emulated time,
+ * or of a recording (stof_frame.emulated). */
+STOF_API stof_status stof_get_clock(stof_sensor* sensor, stof_clock* clock);
 
 /* ---- A thread of its own ------------------------------------------------------------------- */
 
@@ -349,6 +487,8 @@ typedef struct stof_callbacks {
   void (*event)(void* user, const stof_event* event);
   void (*failed)(void* user, stof_status status); /* the last call: the thread has ended */
   void* user;
+  void (*link)(void* user, const stof_link_event* event);
+  void (*raw)(void* user, const stof_raw* raw);
 } stof_callbacks;
 
 /* STOF_BUSY: it runs already. STOF_BAD_ARGUMENT, STOF_INTERNAL: the system gives no thread. */
@@ -430,6 +570,63 @@ typedef struct stof_answer {
 STOF_API stof_status stof_settings(stof_sensor* sensor, stof_operation operation,
                                    stof_document document, const char* in, char* out,
                                    size_t out_size, stof_answer* answer);
+
+typedef enum stof_setting_kind {
+  STOF_SETTING_INTEGER = 0,
+  STOF_SETTING_BOOLEAN = 1,
+  STOF_SETTING_CHOICE = 2, /* one of some words */
+  STOF_SETTING_TEXT = 3
+} stof_setting_kind;
+
+/* Paths of settings that programs change most; docs/SETTINGS.md has all. */
+#define STOF_SETTING_NAME "name"                       /* text */
+#define STOF_SETTING_PERIOD_MS "period_ms"             /* integer */
+#define STOF_SETTING_MAX_RANGE_MM "depth.max_range_mm" /* integer */
+#define STOF_SETTING_PRESET "depth.preset"             /* choice */
+#define STOF_SETTING_TEMPORAL "depth.temporal"         /* boolean */
+#define STOF_SETTING_GUIDED "depth.guided"             /* boolean */
+#define STOF_SETTING_STREAM_DEPTH "streams.depth"      /* choice, as the next ones */
+#define STOF_SETTING_STREAM_WIDTH "streams.width"
+#define STOF_SETTING_STREAM_SOURCE "streams.source"
+#define STOF_SETTING_STREAM_DISPARITY "streams.disparity"
+#define STOF_SETTING_STREAM_PMD_RAW "streams.pmd_raw"
+#define STOF_SETTING_STREAM_GREY_LEFT "streams.grey_left"
+#define STOF_SETTING_STREAM_GREY_RIGHT "streams.grey_right"
+#define STOF_SETTING_STREAM_CLOUD "streams.cloud"
+#define STOF_SETTING_CLOUD_STEP "streams.cloud_step" /* integer */
+#define STOF_SETTING_PARITY "streams.parity"         /* boolean */
+
+/* A setting and what it takes, as this sensor says: one of another version may take more. The
+ * installer's limits (limits.*) may allow less. */
+typedef struct stof_setting {
+  uint32_t struct_size;
+  uint32_t kind;   /* stof_setting_kind */
+  int64_t value;   /* integer; boolean 0 or 1; choice: its place among `choices`; text: 0 */
+  int64_t minimum; /* likewise; of texts 0 and the most bytes */
+  int64_t maximum;
+  int64_t default_value; /* likewise; of texts 0 */
+  uint32_t at_restart;   /* 1: a change is in force after the next start, where it was saved */
+  uint32_t reserved;
+  char text[64];     /* the value as text: "10000", "true", "fit" */
+  char unit[16];     /* "mm"; empty: none */
+  char choices[160]; /* of a choice: "off raw rvl fit" */
+} stof_setting;
+
+/* The active value. Asks as stof_settings() does, the first time also for the schema; `why` (may be
+ * NULL) gets one line when it fails. STOF_BAD_ARGUMENT: the sensor has no setting of that path; the
+ * others as stof_settings(). From any thread. */
+STOF_API stof_status stof_get_setting(stof_sensor* sensor, const char* path, stof_setting* setting,
+                                      char* why, size_t why_size);
+/* Changes one setting until the next start (STOF_SAVE keeps it). What the sensor does not take is
+ * STOF_REFUSED, and `why` says what it takes; STOF_BAD_ARGUMENT: a path or text that no setting
+ * can have. From any thread. */
+STOF_API stof_status stof_set_integer(stof_sensor* sensor, const char* path, int64_t value,
+                                      char* why, size_t why_size);
+STOF_API stof_status stof_set_boolean(stof_sensor* sensor, const char* path, int value, char* why,
+                                      size_t why_size);
+/* Also of choices. */
+STOF_API stof_status stof_set_text(stof_sensor* sensor, const char* path, const char* value,
+                                   char* why, size_t why_size);
 
 /* ---- Finding sensors ----------------------------------------------------------------------- */
 

@@ -26,6 +26,10 @@ using Info = stof_info;
 using Health = stof_health;
 using Event = stof_event;
 using Link = stof_link;
+using LinkEvent = stof_link_event;
+using Clock = stof_clock;
+using PixelPoint = stof_pixel_point;
+using Setting = stof_setting;
 using Statistics = stof_statistics;
 using Found = stof_found;
 
@@ -70,6 +74,14 @@ class Frame {
   std::chrono::nanoseconds exposure_middle() const noexcept {
     return std::chrono::nanoseconds(c_.exposure_middle_ns);
   }
+  // The same by this machine's clock, as Sensor::clock() maps it; none: unknown.
+  std::optional<std::chrono::steady_clock::time_point> exposure_here() const noexcept {
+    return c_.exposure_here_ns == 0
+               ? std::nullopt
+               : std::optional(std::chrono::steady_clock::time_point(
+                     std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                         std::chrono::nanoseconds(c_.exposure_here_ns))));
+  }
 
   Image<std::uint16_t> depth() const noexcept { return Image<std::uint16_t>(c_.depth); }
   Image<std::uint16_t> interval_width() const noexcept {
@@ -100,22 +112,30 @@ class Frame {
   std::uint32_t settings_fingerprint() const noexcept { return c_.settings_fingerprint; }
 
   // Into `points`, which keeps its memory. STOF_NOT_YET: no calibration yet.
-  stof_status points(std::vector<Point>& points) const {
-    points.resize(points.capacity());
-    std::size_t count = 0;
-    stof_status status = stof_points(&c_, points.data(), points.size(), &count);
-    if (status == STOF_TOO_SMALL) {
-      points.resize(count);
-      status = stof_points(&c_, points.data(), points.size(), &count);
-    }
-    points.resize(status == STOF_OK ? count : 0);
-    return status;
+  stof_status points(std::vector<Point>& points) const { return fill_points(stof_points, points); }
+  // With the pixel of each, and its grey value where the left picture is sent.
+  stof_status pixel_points(std::vector<PixelPoint>& points) const {
+    return fill_points(stof_pixel_points, points);
   }
 
   const stof_frame& c() const noexcept { return c_; }
   stof_frame* fill() noexcept { return &c_; }
 
  private:
+  template <typename T>
+  stof_status fill_points(stof_status (*make)(const stof_frame*, T*, std::size_t, std::size_t*),
+                          std::vector<T>& points) const {
+    points.resize(points.capacity());
+    std::size_t count = 0;
+    stof_status status = make(&c_, points.data(), points.size(), &count);
+    if (status == STOF_TOO_SMALL) {
+      points.resize(count);
+      status = make(&c_, points.data(), points.size(), &count);
+    }
+    points.resize(status == STOF_OK ? count : 0);
+    return status;
+  }
+
   stof_frame c_{};
 };
 
@@ -126,7 +146,8 @@ struct Answer {
   bool restart = false;        // some of them wait for the next start
 };
 
-// A frame that stays beyond the next one, without a copy; its images are valid as long as this is.
+// A frame that stays beyond the next one, without a copy; its images are valid as long as this is,
+// or a copy of this: copies hold the same frame, also on other threads.
 class KeptFrame {
  public:
   // Of the newest frame of a sensor. Once; not ok(): it is over, or kept already.
@@ -135,6 +156,16 @@ class KeptFrame {
     static_cast<void>(stof_keep(frame_.fill(), &kept));
     kept_.reset(kept);
   }
+  KeptFrame(const KeptFrame& other) noexcept
+      : frame_(other.frame_), kept_(stof_hold(other.kept_.get())) {}
+  KeptFrame(KeptFrame&&) noexcept = default;
+  KeptFrame& operator=(KeptFrame other) noexcept {
+    frame_ = other.frame_;
+    kept_ = std::move(other.kept_);
+    return *this;
+  }
+  ~KeptFrame() = default;
+
   bool ok() const noexcept { return kept_ != nullptr; }
   const Frame& operator*() const noexcept { return frame_; }
   const Frame* operator->() const noexcept { return &frame_; }
@@ -147,12 +178,32 @@ class KeptFrame {
   std::unique_ptr<stof_kept, Release> kept_;
 };
 
+// What the cameras gave for one exposure; valid until the next one, or the next frame.
+class Raw {
+ public:
+  Raw() noexcept { c_.struct_size = sizeof c_; }
+  explicit Raw(const stof_raw& raw) noexcept : c_(raw) {}
+  bool complete() const noexcept { return c_.missing == 0; }
+  Image<std::uint8_t> left() const noexcept { return Image<std::uint8_t>(c_.left); }
+  Image<std::uint8_t> right() const noexcept { return Image<std::uint8_t>(c_.right); }
+  Image<std::uint16_t> pmd(int sample) const noexcept {
+    return Image<std::uint16_t>(c_.pmd[sample]);
+  }
+  const stof_raw& c() const noexcept { return c_; }
+  stof_raw* fill() noexcept { return &c_; }
+
+ private:
+  stof_raw c_{};
+};
+
 // What a sensor's own thread calls; empty ones are not called.
 struct Callbacks {
   std::function<void(const Frame&)> frame;
   std::function<void(const Health&)> health;
   std::function<void(const Event&)> event;
   std::function<void(stof_status)> failed;
+  std::function<void(const LinkEvent&)> link = {};
+  std::function<void(const Raw&)> raw = {};
 };
 
 class Sensor {
@@ -212,6 +263,25 @@ class Sensor {
     return stof_next_event(sensor_.get(), &event) == STOF_OK ? std::optional<Event>(event)
                                                              : std::nullopt;
   }
+  std::optional<LinkEvent> next_link_event() {
+    LinkEvent event = STOF_INIT(stof_link_event);
+    return stof_next_link_event(sensor_.get(), &event) == STOF_OK ? std::optional<LinkEvent>(event)
+                                                                  : std::nullopt;
+  }
+  std::optional<Clock> clock() const {
+    Clock clock = STOF_INIT(stof_clock);
+    return stof_get_clock(sensor_.get(), &clock) == STOF_OK ? std::optional<Clock>(clock)
+                                                            : std::nullopt;
+  }
+  // None: `status`, if given, says why, as stof_next_raw() does.
+  std::optional<Raw> next_raw(stof_status* status = nullptr) {
+    Raw raw;
+    const stof_status got = stof_next_raw(sensor_.get(), raw.fill());
+    if (status != nullptr) {
+      *status = got;
+    }
+    return got == STOF_OK ? std::optional<Raw>(raw) : std::nullopt;
+  }
   Statistics statistics() const {
     Statistics statistics = STOF_INIT(stof_statistics);
     static_cast<void>(stof_get_statistics(sensor_.get(), &statistics));
@@ -241,6 +311,12 @@ class Sensor {
     c.failed = [](void* user, stof_status status) {
       call(static_cast<Callbacks*>(user)->failed, status);
     };
+    c.link = [](void* user, const stof_link_event* event) {
+      call(static_cast<Callbacks*>(user)->link, *event);
+    };
+    c.raw = [](void* user, const stof_raw* raw) {
+      call(static_cast<Callbacks*>(user)->raw, Raw(*raw));
+    };
     const stof_status status = stof_start(sensor_.get(), &c);
     if (status == STOF_OK) {
       callbacks_ = std::move(own);  // those of a thread that ended before
@@ -265,6 +341,33 @@ class Sensor {
   Answer get(stof_document document = STOF_ACTIVE) { return settings(STOF_GET, document); }
   Answer set(const std::string& json) { return settings(STOF_SET, STOF_ACTIVE, json); }
 
+  // One setting and what it takes: STOF_SETTING_..., or any path of docs/SETTINGS.md. `why`, if
+  // given, says why not.
+  std::optional<Setting> setting(const char* path, std::string* why = nullptr) {
+    Setting out = STOF_INIT(stof_setting);
+    char line[512] = {};
+    const stof_status got = stof_get_setting(sensor_.get(), path, &out, line, sizeof line);
+    if (why != nullptr) {
+      *why = line;
+    }
+    return got == STOF_OK ? std::optional<Setting>(out) : std::nullopt;
+  }
+  stof_status set_integer(const char* path, std::int64_t value, std::string* why = nullptr) {
+    return with_line(why, [&](char* line, std::size_t size) {
+      return stof_set_integer(sensor_.get(), path, value, line, size);
+    });
+  }
+  stof_status set_boolean(const char* path, bool value, std::string* why = nullptr) {
+    return with_line(why, [&](char* line, std::size_t size) {
+      return stof_set_boolean(sensor_.get(), path, value ? 1 : 0, line, size);
+    });
+  }
+  stof_status set_text(const char* path, const std::string& value, std::string* why = nullptr) {
+    return with_line(why, [&](char* line, std::size_t size) {
+      return stof_set_text(sensor_.get(), path, value.c_str(), line, size);
+    });
+  }
+
   stof_sensor* c() const noexcept { return sensor_.get(); }
 
  private:
@@ -272,6 +375,15 @@ class Sensor {
     void operator()(stof_sensor* sensor) const noexcept { stof_close(sensor); }
   };
   explicit Sensor(stof_sensor* sensor) noexcept : sensor_(sensor) {}
+  template <typename Ask>
+  static stof_status with_line(std::string* why, const Ask& ask) {
+    char line[512] = {};
+    const stof_status status = ask(line, sizeof line);
+    if (why != nullptr) {
+      *why = line;
+    }
+    return status;
+  }
   template <typename Function, typename Value>
   static void call(const Function& function, const Value& value) {
     if (function) {

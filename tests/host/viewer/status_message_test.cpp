@@ -1,0 +1,30 @@
+#include "host/viewer/status_message.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdio>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "host/picture/source_colours.h"
+
+namespace stof::viewer {
+namespace {
+
+TEST(StatusMessage, SourcesHaveTheColoursOfThePictures) {
+  const auto hello = nlohmann::json::parse(hello_message("here", {}, false));
+  const nlohmann::json& sources = hello.at("sources");
+  ASSERT_EQ(sources.size(), host::kSourceColours.size());
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const host::Rgb colour = host::kSourceColours[i];
+    std::array<char, 8> text{};
+    std::snprintf(text.data(), text.size(), "#%02x%02x%02x", unsigned{colour.red},
+                  unsigned{colour.green}, unsigned{colour.blue});
+    EXPECT_EQ(sources[i].at("colour"), text.data()) << sources[i].at("name");
+  }
+}
+
+}  // namespace
+}  // namespace stof::viewer
