@@ -90,7 +90,9 @@ class Publisher {
   const HealthMonitor& health() const noexcept { return health_; }
 
  private:
-  static constexpr std::size_t kSignedAtOnce = 8;  // for one receiver
+  // Datagrams that are signed at once, for all receivers together: between two bursts the processor
+  // forgets the code, so that 8 at a time take a third longer each.
+  static constexpr std::size_t kSignedAtOnce = 64;
 
   using Datagrams = wire::Datagrams;
   class Paced;  // a frame's datagrams on their way, spread over time
@@ -103,6 +105,9 @@ class Publisher {
                     hal::Time latest) noexcept;
   hal::Duration longest_sending() const noexcept;
   void drop(std::size_t datagrams) noexcept;
+  // Of one receiver's key.
+  std::span<const std::byte> sign(std::size_t receiver, std::span<const std::byte> datagram,
+                                  wire::DatagramBuffer& space) noexcept;
   // Of one receiver: what became of them.
   struct Delivery {
     bool reached = false;  // it can be
@@ -110,12 +115,14 @@ class Publisher {
     bool lost = false;     // the port
     std::size_t left = 0;  // that were not tried then
   };
-  // To everybody, now.
-  Status send(Datagrams datagrams) noexcept;
+  // Signs the first of them for whoever wants that, as many as there is space for: their number.
+  // They are what send() sends until the next call.
+  std::size_t prepare(Datagrams datagrams) noexcept;
+  // Some of what is prepared to everybody, now.
+  Status send(std::size_t first, std::size_t count) noexcept;
   // Sends what buffer_ holds of a packet.
   void tell(wire::PacketType type, std::size_t bytes) noexcept;
   Delivery deliver(std::size_t receiver, Datagrams datagrams) noexcept;
-  Delivery deliver_signed(std::size_t receiver, Datagrams datagrams) noexcept;
   Status send_raw(Datagrams datagrams, std::size_t& sent) noexcept;
   Status send_one(std::span<const std::byte> datagram) noexcept;
 
@@ -132,7 +139,10 @@ class Publisher {
   // Of each receiver, for as long as it is one.
   struct Way {
     std::size_t stream = 0;        // of the port
-    std::uint64_t signed_all = 0;  // datagrams, with its key
+    wire::StreamTagger tagger{};   // with its key; number 0: nothing is signed
+    std::uint64_t signed_all = 0;  // datagrams
+    bool signs() const noexcept { return tagger.key().number != 0; }
+    Datagrams prepared{};  // as this receiver gets them
   };
   std::array<Way, kMostSubscribers> ways_{};
   std::optional<wire::FrameStamp> stamp_;  // of the last frame
@@ -141,6 +151,8 @@ class Publisher {
   PublisherTimes times_;
   wire::DatagramBuffer buffer_{};
   std::array<wire::DatagramBuffer, kSignedAtOnce> signed_space_{};
+  std::array<std::span<const std::byte>, kSignedAtOnce> signed_{};
+  std::array<wire::DatagramBuffer, RawSender::kBurst> signed_raw_{};
 };
 
 }  // namespace stof::firmware

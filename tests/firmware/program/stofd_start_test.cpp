@@ -247,7 +247,8 @@ TEST_F(StofdStart, SecretsThatOthersCouldReadAreTold) {
   }
 }
 
-// That it looks within 100 ms whether it shall end: Appliance.HealthComesOnceASecondAtAnyPeriod, by an emulated clock.
+// That it looks within 100 ms whether it shall end: Appliance.HealthComesOnceASecondAtAnyPeriod, by
+// an emulated clock.
 TEST_F(StofdStart, EndsAndTellsItsHealthLongBeforeItsNextEdge) {
   write("settings.json", R"({"period_ms": 60000})");
   const Socket socket;
