@@ -34,7 +34,7 @@ Tag tag_of_datagram(const OneTimeKey& key, std::span<const std::byte> datagram) 
 }  // namespace
 
 StreamKeyFields seal_stream_key(const StreamKey& stream, const KeyHandover& to) noexcept {
-  StreamKeyFields fields{.number = stream.number};
+  StreamKeyFields fields{.number = stream.number, .tags = kStreamTags};
   Digest pad = pad_of(to);
   std::ranges::transform(stream.secret, pad, fields.sealed.begin(), [](std::byte a, std::byte b) {
     return std::to_integer<std::uint8_t>(a ^ b);
@@ -44,6 +44,9 @@ StreamKeyFields seal_stream_key(const StreamKey& stream, const KeyHandover& to) 
 }
 
 StreamKey open_stream_key(const StreamKeyFields& fields, const KeyHandover& to) noexcept {
+  if (fields.tags != kStreamTags) {
+    return {};
+  }
   StreamKey stream{.number = fields.number};
   Digest pad = pad_of(to);
   std::ranges::transform(fields.sealed, pad, stream.secret.begin(),

@@ -22,6 +22,9 @@ struct StreamKey {
   friend bool operator==(const StreamKey&, const StreamKey&) = default;
 };
 
+// How tags are made here: StreamKeyFields::tags.
+inline constexpr std::uint8_t kStreamTags = 1;
+
 // The answer that hands a stream key over: to a request of that key and counter.
 struct KeyHandover {
   Origin sensor{};
@@ -29,6 +32,7 @@ struct KeyHandover {
   std::uint64_t counter = 0;
 };
 StreamKeyFields seal_stream_key(const StreamKey& stream, const KeyHandover& to) noexcept;
+// Number 0 where the tags of that key are made in a way that is not known here.
 StreamKey open_stream_key(const StreamKeyFields& fields, const KeyHandover& to) noexcept;
 
 // A stream key, and the one-time keys of a block of its counters: one of many costs little.
@@ -61,7 +65,7 @@ std::span<const std::byte> sign_datagram(std::span<const std::byte> datagram, St
 
 // Of a datagram that parse_packet() took. None: it has no signature.
 std::optional<StreamSignature> signature_of(std::span<const std::byte> datagram) noexcept;
-// Whether that key signed it; `signature` is its own. Keeps nothing: whoever can't sign makes
+// Whether that key signed it; `signature` is its own. Keeps nothing: whoever cannot sign makes
 // nobody compute a block.
 bool signed_with(const StreamTagger& tagger, const StreamSignature& signature,
                  std::span<const std::byte> datagram) noexcept;

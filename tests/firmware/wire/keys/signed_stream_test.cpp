@@ -168,6 +168,19 @@ TEST_F(SignedStream, TheKeyIsHandedOverToWhoeverHasTheSecretAlone) {
             stream);
 }
 
+// Of a sensor that makes tags in another way nothing could be verified.
+TEST_F(SignedStream, AKeyForOtherTagsIsNone) {
+  const Key key = test::numbered_key(4);
+  const KeyHandover to{.sensor = {.device_id = 1, .session_id = 7}, .key = key, .counter = 5};
+  StreamKeyFields fields = seal_stream_key(counting_key(9), to);
+  for (const int tags : {0, 2, 255}) {
+    fields.tags = static_cast<std::uint8_t>(tags);
+    EXPECT_EQ(open_stream_key(fields, to), StreamKey{}) << tags;
+  }
+  fields.tags = kStreamTags;
+  EXPECT_EQ(open_stream_key(fields, to), counting_key(9));
+}
+
 TEST_F(SignedStream, AllocatesNothing) {
   const Bytes datagram = plain(kMaxTilePayload);
   StreamTagger tagger(counting_key());
