@@ -84,7 +84,7 @@ void Publisher::set_calibration(const wire::CalibrationPacket& calibration) noex
 
 bool Publisher::set_receivers(const ReceiverList& receivers) noexcept {
   static_assert(kMostSubscribers <= hal::DatagramPort::kShallowStream);
-  std::array<std::optional<Way>, kMostSubscribers> ways{};
+  std::array<std::optional<ReceiverWay>, kMostSubscribers> ways{};
   std::array<bool, kMostSubscribers> taken{};
   for (std::size_t i = 0; i < receivers.count; ++i) {
     for (std::size_t was = 0; was < receivers_.count && !ways[i]; ++was) {
@@ -99,8 +99,8 @@ bool Publisher::set_receivers(const ReceiverList& receivers) noexcept {
     if (!ways[i]) {
       const auto free = std::ranges::find(taken, false);
       *free = true;
-      ways[i] = Way{.stream = static_cast<std::size_t>(free - taken.begin()),
-                    .tagger = wire::StreamTagger(receivers.keys[i])};
+      ways[i] = ReceiverWay{.stream = static_cast<std::size_t>(free - taken.begin()),
+                            .tagger = wire::StreamTagger(receivers.keys[i])};
       calibration_due_.reset();
       health_wanted_ = true;
     }
@@ -286,27 +286,19 @@ Publisher::Delivery Publisher::deliver(std::size_t receiver, Datagrams datagrams
   return delivery;
 }
 
-std::span<const std::byte> Publisher::sign(std::size_t receiver,
-                                           std::span<const std::byte> datagram,
-                                           wire::DatagramBuffer& space) noexcept {
-  Way& way = ways_[receiver];
-  return wire::sign_datagram(datagram, way.tagger, ++way.signed_all, space);
-}
-
 std::size_t Publisher::prepare(Datagrams datagrams) noexcept {
-  const std::span<Way> ways = std::span(ways_).first(receivers_.count);
-  const auto signing = static_cast<std::size_t>(std::ranges::count_if(ways, &Way::signs));
+  const std::span<ReceiverWay> ways = std::span(ways_).first(receivers_.count);
+  const auto signing = static_cast<std::size_t>(std::ranges::count_if(ways, &ReceiverWay::signs));
   const std::size_t count =
       signing == 0 ? datagrams.size()
                    : std::min(datagrams.size(), kSignedAtOnce / signing / kBurst * kBurst);
   std::size_t at = 0;
-  for (std::size_t i = 0; i < ways.size(); ++i) {
-    Way& way = ways[i];
+  for (ReceiverWay& way : ways) {
     way.prepared = datagrams.first(count);
     if (way.signs()) {
       const std::size_t begin = at;
       for (const std::span<const std::byte> datagram : datagrams.first(count)) {
-        signed_[at] = sign(i, datagram, signed_space_[at]);
+        signed_[at] = way.sign(datagram, signed_space_[at]);
         ++at;
       }
       way.prepared = std::span(signed_).subspan(begin, count);
@@ -346,7 +338,7 @@ Status Publisher::send_raw(Datagrams datagrams, std::size_t& sent) noexcept {
   std::array<std::span<const std::byte>, RawSender::kBurst> made;
   if (ways_[receiver].signs()) {
     for (std::size_t i = 0; i < datagrams.size(); ++i) {
-      made[i] = sign(receiver, datagrams[i], signed_raw_[i]);
+      made[i] = ways_[receiver].sign(datagrams[i], signed_raw_[i]);
     }
     datagrams = std::span(made).first(datagrams.size());
   }

@@ -13,6 +13,7 @@
 #include "firmware/pipeline/frame_listener.h"
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/pipeline/raw_sender.h"
+#include "firmware/pipeline/receiver_way.h"
 #include "firmware/pipeline/shot.h"
 #include "firmware/wire/calibration/calibration_packet.h"
 #include "firmware/wire/frame/frame_coder.h"
@@ -105,9 +106,6 @@ class Publisher {
                     hal::Time latest) noexcept;
   hal::Duration longest_sending() const noexcept;
   void drop(std::size_t datagrams) noexcept;
-  // Of one receiver's key.
-  std::span<const std::byte> sign(std::size_t receiver, std::span<const std::byte> datagram,
-                                  wire::DatagramBuffer& space) noexcept;
   // Of one receiver: what became of them.
   struct Delivery {
     bool reached = false;  // it can be
@@ -136,15 +134,7 @@ class Publisher {
   HealthMonitor health_;
   ReceiverList receivers_;
   RawSender raw_;
-  // Of each receiver, for as long as it is one.
-  struct Way {
-    std::size_t stream = 0;        // of the port
-    wire::StreamTagger tagger{};   // with its key; number 0: nothing is signed
-    std::uint64_t signed_all = 0;  // datagrams
-    bool signs() const noexcept { return tagger.key().number != 0; }
-    Datagrams prepared{};  // as this receiver gets them
-  };
-  std::array<Way, kMostSubscribers> ways_{};
+  std::array<ReceiverWay, kMostSubscribers> ways_{};
   std::optional<wire::FrameStamp> stamp_;  // of the last frame
   std::optional<hal::Time> calibration_due_;
   bool health_wanted_ = true;  // health for a new receiver
