@@ -84,12 +84,12 @@ void Publisher::set_calibration(const wire::CalibrationPacket& calibration) noex
 
 bool Publisher::set_receivers(const ReceiverList& receivers) noexcept {
   static_assert(kMostSubscribers <= hal::DatagramPort::kShallowStream);
-  std::array<std::optional<Way>, kMostSubscribers> ways{};
+  std::array<std::optional<ReceiverWay>, kMostSubscribers> ways{};
   std::array<bool, kMostSubscribers> taken{};
   for (std::size_t i = 0; i < receivers.count; ++i) {
     for (std::size_t was = 0; was < receivers_.count && !ways[i]; ++was) {
       if (receivers_.peers[was] == receivers.peers[i] &&
-          receivers_.keys[was].number == receivers.keys[i].number && !taken[ways_[was].stream]) {
+          ways_[was].tagger.key().number == receivers.keys[i].number && !taken[ways_[was].stream]) {
         ways[i] = ways_[was];
         taken[ways_[was].stream] = true;
       }
@@ -99,7 +99,8 @@ bool Publisher::set_receivers(const ReceiverList& receivers) noexcept {
     if (!ways[i]) {
       const auto free = std::ranges::find(taken, false);
       *free = true;
-      ways[i] = Way{.stream = static_cast<std::size_t>(free - taken.begin())};
+      ways[i] = ReceiverWay{.stream = static_cast<std::size_t>(free - taken.begin()),
+                            .tagger = wire::StreamTagger(receivers.keys[i])};
       calibration_due_.reset();
       health_wanted_ = true;
     }
@@ -177,8 +178,9 @@ class Publisher::Paced final : public wire::DatagramSink {
       budget_ = std::clamp(latest_ - start_, hal::Duration::zero(), kLongestSpread);
     }
     const std::size_t burst = budget_ > hal::Duration::zero() ? kBurst : datagrams.size();
-    for (std::size_t at = 0; at < datagrams.size(); at += burst) {
-      const Datagrams some = datagrams.subspan(at, std::min(burst, datagrams.size() - at));
+    std::size_t prepared = 0;
+    std::size_t prepared_end = 0;
+    for (std::size_t at = 0; at < datagrams.size();) {
       const hal::Time due =
           start_ + budget_ * static_cast<std::int64_t>(sent_) / static_cast<std::int64_t>(all);
       const hal::Time ready = clock.now();
@@ -191,10 +193,16 @@ class Publisher::Paced final : public wire::DatagramSink {
         abandon(datagrams.size() - at);
         return;
       }
-      const Status sent = publisher_.send(some);
+      if (at == prepared_end) {
+        prepared = at;
+        prepared_end = at + publisher_.prepare(datagrams.subspan(at));
+      }
+      const std::size_t count = std::min(burst, prepared_end - at);
+      const Status sent = publisher_.send(at - prepared, count);
       publisher_.times_.send += clock.now() - begin;
       status_ = status_ == Status::kOk || sent == Status::kDeviceLost ? sent : status_;
-      sent_ += some.size();
+      sent_ += count;
+      at += count;
     }
   }
 
@@ -238,15 +246,14 @@ void Publisher::drop(std::size_t datagrams) noexcept {
 }
 
 // kDeviceError only where nobody at all could be reached.
-Status Publisher::send(Datagrams datagrams) noexcept {
+Status Publisher::send(std::size_t first, std::size_t count) noexcept {
   Status status = Status::kOk;
   std::size_t unreachable = 0;
   for (std::size_t i = 0; i < receivers_.count; ++i) {
-    const Delivery delivery =
-        receivers_.keys[i].number == 0 ? deliver(i, datagrams) : deliver_signed(i, datagrams);
+    const Delivery delivery = deliver(i, ways_[i].prepared.subspan(first, count));
     if (delivery.lost) {
       const std::size_t others = receivers_.count - i - 1;  // whose turn has not come
-      events_.counters.packets_dropped += delivery.left + others * datagrams.size();
+      events_.counters.packets_dropped += delivery.left + others * count;
       return Status::kDeviceLost;
     }
     status = delivery.dropped ? Status::kWouldBlock : status;
@@ -279,26 +286,25 @@ Publisher::Delivery Publisher::deliver(std::size_t receiver, Datagrams datagrams
   return delivery;
 }
 
-// Some at a time: each receiver's are its own.
-Publisher::Delivery Publisher::deliver_signed(std::size_t receiver, Datagrams datagrams) noexcept {
-  Delivery all;
-  for (std::size_t at = 0; at < datagrams.size(); at += kSignedAtOnce) {
-    const Datagrams some = datagrams.subspan(at, std::min(kSignedAtOnce, datagrams.size() - at));
-    std::array<std::span<const std::byte>, kSignedAtOnce> made;
-    for (std::size_t i = 0; i < some.size(); ++i) {
-      made[i] = wire::sign_datagram(some[i], receivers_.keys[receiver],
-                                    ++ways_[receiver].signed_all, signed_space_[i]);
-    }
-    const Delivery part = deliver(receiver, std::span(made).first(some.size()));
-    all.reached = all.reached || part.reached;
-    all.dropped = all.dropped || part.dropped;
-    if (part.lost) {
-      all.lost = true;
-      all.left = part.left + datagrams.size() - at - some.size();
-      return all;
+std::size_t Publisher::prepare(Datagrams datagrams) noexcept {
+  const std::span<ReceiverWay> ways = std::span(ways_).first(receivers_.count);
+  const auto signing = static_cast<std::size_t>(std::ranges::count_if(ways, &ReceiverWay::signs));
+  const std::size_t count =
+      signing == 0 ? datagrams.size()
+                   : std::min(datagrams.size(), kSignedAtOnce / signing / kBurst * kBurst);
+  std::size_t at = 0;
+  for (ReceiverWay& way : ways) {
+    way.prepared = datagrams.first(count);
+    if (way.signs()) {
+      const std::size_t begin = at;
+      for (const std::span<const std::byte> datagram : datagrams.first(count)) {
+        signed_[at] = way.sign(datagram, signed_space_[at]);
+        ++at;
+      }
+      way.prepared = std::span(signed_).subspan(begin, count);
     }
   }
-  return all;
+  return count;
 }
 
 // One receiver's, by a queue that holds little: what waits in it never keeps a frame for long.
@@ -328,13 +334,11 @@ void Publisher::wait_until(hal::Time time) noexcept {
 }
 
 Status Publisher::send_raw(Datagrams datagrams, std::size_t& sent) noexcept {
-  static_assert(RawSender::kBurst <= kSignedAtOnce);
   const std::size_t receiver = receivers_.raw_receiver;
-  std::array<std::span<const std::byte>, kSignedAtOnce> made;
-  if (receivers_.keys[receiver].number != 0) {
+  std::array<std::span<const std::byte>, RawSender::kBurst> made;
+  if (ways_[receiver].signs()) {
     for (std::size_t i = 0; i < datagrams.size(); ++i) {
-      made[i] = wire::sign_datagram(datagrams[i], receivers_.keys[receiver],
-                                    ++ways_[receiver].signed_all, signed_space_[i]);
+      made[i] = ways_[receiver].sign(datagrams[i], signed_raw_[i]);
     }
     datagrams = std::span(made).first(datagrams.size());
   }
@@ -346,7 +350,7 @@ Status Publisher::send_raw(Datagrams datagrams, std::size_t& sent) noexcept {
 
 Status Publisher::send_one(std::span<const std::byte> datagram) noexcept {
   const std::array<std::span<const std::byte>, 1> one{datagram};
-  return send(one);
+  return send(0, prepare(one));
 }
 
 void Publisher::tell(wire::PacketType type, std::size_t bytes) noexcept {

@@ -13,6 +13,7 @@
 #include "firmware/pipeline/frame_listener.h"
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/pipeline/raw_sender.h"
+#include "firmware/pipeline/receiver_way.h"
 #include "firmware/pipeline/shot.h"
 #include "firmware/wire/calibration/calibration_packet.h"
 #include "firmware/wire/frame/frame_coder.h"
@@ -90,7 +91,9 @@ class Publisher {
   const HealthMonitor& health() const noexcept { return health_; }
 
  private:
-  static constexpr std::size_t kSignedAtOnce = 8;  // for one receiver
+  // Datagrams that are signed at once, for all receivers together: between two bursts the processor
+  // forgets the code, so that 8 at a time take a third longer each.
+  static constexpr std::size_t kSignedAtOnce = 64;
 
   using Datagrams = wire::Datagrams;
   class Paced;  // a frame's datagrams on their way, spread over time
@@ -110,12 +113,14 @@ class Publisher {
     bool lost = false;     // the port
     std::size_t left = 0;  // that were not tried then
   };
-  // To everybody, now.
-  Status send(Datagrams datagrams) noexcept;
+  // Signs the first of them for whoever wants that, as many as there is space for: their number.
+  // They are what send() sends until the next call.
+  std::size_t prepare(Datagrams datagrams) noexcept;
+  // Some of what is prepared to everybody, now.
+  Status send(std::size_t first, std::size_t count) noexcept;
   // Sends what buffer_ holds of a packet.
   void tell(wire::PacketType type, std::size_t bytes) noexcept;
   Delivery deliver(std::size_t receiver, Datagrams datagrams) noexcept;
-  Delivery deliver_signed(std::size_t receiver, Datagrams datagrams) noexcept;
   Status send_raw(Datagrams datagrams, std::size_t& sent) noexcept;
   Status send_one(std::span<const std::byte> datagram) noexcept;
 
@@ -129,18 +134,15 @@ class Publisher {
   HealthMonitor health_;
   ReceiverList receivers_;
   RawSender raw_;
-  // Of each receiver, for as long as it is one.
-  struct Way {
-    std::size_t stream = 0;        // of the port
-    std::uint64_t signed_all = 0;  // datagrams, with its key
-  };
-  std::array<Way, kMostSubscribers> ways_{};
+  std::array<ReceiverWay, kMostSubscribers> ways_{};
   std::optional<wire::FrameStamp> stamp_;  // of the last frame
   std::optional<hal::Time> calibration_due_;
   bool health_wanted_ = true;  // health for a new receiver
   PublisherTimes times_;
   wire::DatagramBuffer buffer_{};
   std::array<wire::DatagramBuffer, kSignedAtOnce> signed_space_{};
+  std::array<std::span<const std::byte>, kSignedAtOnce> signed_{};
+  std::array<wire::DatagramBuffer, RawSender::kBurst> signed_raw_{};
 };
 
 }  // namespace stof::firmware

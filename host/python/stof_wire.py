@@ -1172,11 +1172,15 @@ class StreamKeyFields(Layout):
     """Behind the `subscribed` of a signed answer."""
 
     number: int = 0  # of the stream key, as in the datagrams that it signs; 0: none is handed over
+    # how tags are made: 1, with keys of blocks of 16, as below; a receiver takes no stream key with
+    # another value
+    tags: int = 1
     sealed: tuple = (0,) * 32  # the stream key, exclusive or the pad of this answer
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("number", "I", 1),
-        ("", "x", 4),
+        ("tags", "B", 1),
+        ("", "x", 3),
         ("sealed", "B", 32),
     )
 

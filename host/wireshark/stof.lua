@@ -552,7 +552,8 @@ layouts.stream_key = {
   message = "stream key",
   bytes = 40,
   {name = "number", size = 4, count = 1, kind = "uint32", title = "Number", base = base.DEC, doc = "of the stream key, as in the datagrams that it signs; 0: none is handed over"},
-  {name = "reserved", size = 4, count = 1, kind = "bytes", title = "Reserved"},
+  {name = "tags", size = 1, count = 1, kind = "uint8", title = "Tags", base = base.DEC, doc = "how tags are made: 1, with keys of blocks of 16, as below; a receiver takes no stream key with another value"},
+  {name = "reserved", size = 3, count = 1, kind = "bytes", title = "Reserved"},
   {name = "sealed", size = 1, count = 32, kind = "uint8", title = "Sealed", base = base.DEC, doc = "the stream key, exclusive or the pad of this answer"},
 }
 

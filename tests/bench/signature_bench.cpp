@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <thread>
 #include <vector>
 
 #include "firmware/wire/keys/signed_stream.h"
@@ -60,19 +61,47 @@ void measure(std::size_t bytes) {
   const auto keep = [&sum](const wire::Tag& tag) { sum += std::to_integer<unsigned>(tag[0]); };
 
   const double blake = least_ns([&] { keep(wire::tag_of(key.secret, {datagram})); });
-  const double chacha =
-      least_ns([&] { keep(wire::counted_tag_of(key.secret, ++counter, {datagram})); });
+  wire::OneTimeKey once{};
+  const double single = least_ns([&] {
+    once = wire::one_time_key(key.secret, key.number, ++counter, 0);
+    keep(wire::one_time_tag(once, {datagram}));
+  });
+  std::array<wire::OneTimeKey, wire::StreamTagger::kInBlock> keys{};
+  const double block =
+      least_ns([&] { wire::derive_one_time_keys(key.secret, key.number, ++counter, keys); }) /
+      static_cast<double>(keys.size());
+  const double tag = least_ns([&] { keep(wire::one_time_tag(keys[++counter % 2], {datagram})); });
+  wire::StreamTagger tagger(key);
   const double sign =
-      least_ns([&] { made = wire::sign_datagram(datagram, key, ++counter, space); });
+      least_ns([&] { made = wire::sign_datagram(datagram, tagger, ++counter, space); });
   bool good = true;
   const double verify = least_ns([&] {
     const auto signature = wire::signature_of(made);
-    good = good && signature && wire::signed_with(key, *signature, made);
+    good = good && signature && wire::signed_with(tagger, *signature, made);
+  });
+  // Of somebody who knows the number but not the key, and names a counter of another block each
+  // time.
+  wire::StreamKey guessed = key;
+  guessed.secret[0] ^= std::byte{1};
+  wire::StreamTagger forger(guessed);
+  std::array<wire::DatagramBuffer, 8> forged_space{};
+  std::array<std::span<const std::byte>, forged_space.size()> forged;
+  for (std::size_t i = 0; i < forged.size(); ++i) {
+    forged[i] = wire::sign_datagram(datagram, forger, 1 + 1'000'003 * i, forged_space[i]);
+  }
+  client::StreamVerifier verifier;
+  verifier.set_key(key);
+  std::size_t next = 0;
+  const double refuse = least_ns([&] {
+    good = good && verifier.judge(forged[++next % forged.size()]) ==
+                       client::StreamVerifier::Verdict::kForged;
   });
   std::printf(
-      "datagram of %4zu bytes, ns: keyed BLAKE2b %.0f, ChaCha20-Poly1305 %.0f; sign (copy, tag, "
-      "CRC) %.0f, verify %.0f%s\n",
-      bytes, blake, chacha, sign, verify, good && sum > 0 ? "" : "  WRONG");
+      "datagram of %4zu bytes, ns: keyed BLAKE2b %.0f, Poly1305 %.0f with a key of its own, %.0f "
+      "with one of a block, the key among it %.0f; sign (copy, tag, CRC) %.0f, verify %.0f, "
+      "refuse a forged one %.0f%s\n",
+      bytes, blake, single, tag + block, block, sign, verify + block, refuse,
+      good && sum > 0 ? "" : "  WRONG");
 }
 
 // Frames of the default streams of the emulated corridor, 640x480, as all receivers get them.
@@ -100,8 +129,9 @@ std::vector<Frame> corridor(std::uint32_t frames) {
 Frame signed_frame(const Frame& frame, const wire::StreamKey& key, std::uint64_t& counter) {
   Frame made;
   wire::DatagramBuffer space{};
+  wire::StreamTagger tagger(key);
   for (const auto& datagram : frame) {
-    const auto one = wire::sign_datagram(datagram, key, ++counter, space);
+    const auto one = wire::sign_datagram(datagram, tagger, ++counter, space);
     made.emplace_back(one.begin(), one.end());
   }
   return made;
@@ -141,6 +171,7 @@ void measure_frame() {
     made.push_back(signed_frame(frame, key, counter));
   }
   std::array<wire::DatagramBuffer, 8> space{};
+  wire::StreamTagger tagger(key);
   double sign = std::numeric_limits<double>::max();
   double without = sign;
   double with = sign;
@@ -148,7 +179,7 @@ void measure_frame() {
     for (const Frame& frame : plain) {
       sign = std::min(sign, ms_of([&] {
                         for (std::size_t i = 0; i < frame.size(); ++i) {
-                          static_cast<void>(wire::sign_datagram(frame[i], key, ++counter,
+                          static_cast<void>(wire::sign_datagram(frame[i], tagger, ++counter,
                                                                 space[i % space.size()]));
                         }
                       }));
@@ -164,6 +195,43 @@ void measure_frame() {
       percent(with - without));
 }
 
+// As frames leave: in bursts, with pauses in which the processor does other things. ns of a
+// datagram, of the least disturbed frame of each way.
+void measure_paced() {
+  constexpr std::size_t kBurst = 8;
+  constexpr std::array<std::size_t, 3> kAtOnce{kBurst, 64, 512};
+  constexpr int kFrames = 12;
+  const Frame frame = corridor(1).front();
+  std::vector<wire::DatagramBuffer> space(kAtOnce.back());
+  wire::StreamKey key{.number = 1};
+  wire::fill_random(key.secret);
+  wire::StreamTagger tagger(key);
+  std::uint64_t counter = 0;
+  std::array<double, kAtOnce.size()> least{};
+  least.fill(std::numeric_limits<double>::max());
+  for (std::size_t turn = 0; turn < kFrames * kAtOnce.size(); ++turn) {
+    const std::size_t way = turn % kAtOnce.size();
+    double ms = 0;
+    for (std::size_t at = 0; at < frame.size(); at += kBurst) {
+      std::this_thread::sleep_for(std::chrono::microseconds(300));
+      if (at % kAtOnce[way] == 0) {
+        const std::size_t end = std::min(frame.size(), at + kAtOnce[way]);
+        ms += ms_of([&] {
+          for (std::size_t i = at; i < end; ++i) {
+            static_cast<void>(wire::sign_datagram(frame[i], tagger, ++counter, space[i - at]));
+          }
+        });
+      }
+    }
+    least[way] = std::min(least[way], ms);
+  }
+  std::printf("in bursts of %zu, ns of a datagram:", kBurst);
+  for (std::size_t way = 0; way < kAtOnce.size(); ++way) {
+    std::printf(" %.0f signed %zu at once%s", least[way] * 1e6 / static_cast<double>(frame.size()),
+                kAtOnce[way], way + 1 < kAtOnce.size() ? "," : "\n");
+  }
+}
+
 }  // namespace
 }  // namespace stof
 
@@ -175,5 +243,6 @@ int main() {
     stof::measure(bytes);
   }
   stof::measure_frame();
+  stof::measure_paced();
   return EXIT_SUCCESS;
 }

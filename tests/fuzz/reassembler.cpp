@@ -60,6 +60,7 @@ void stof::fuzz::run(std::span<const std::byte> input) {
   verifier.set_key(key);
   client::Reassembler reassembler(
       {.max_pixels = kMostPixels, .raw_pictures = true, .verifier = signs ? &verifier : nullptr});
+  wire::StreamTagger tagger(key);
   std::uint64_t counter = 0;
   client::Time now{};
   std::uint64_t pushed = 0;
@@ -84,7 +85,7 @@ void stof::fuzz::run(std::span<const std::byte> input) {
         datagram.size() + wire::kStreamSignatureBytes <= signed_space.size() &&
         record.peer() != 3) {  // else not signed
       counter += 1 + record.seconds();
-      datagram = wire::sign_datagram(datagram, key, counter - record.peer() / 2, signed_space);
+      datagram = wire::sign_datagram(datagram, tagger, counter - record.peer() / 2, signed_space);
     }
     reassembler.push(datagram, now);
     ++pushed;

@@ -31,6 +31,15 @@ void blake2b(std::span<const std::byte> key, Parts parts, std::span<std::byte> o
   crypto_generichash_final(&state, raw_space(out), out.size());
 }
 
+using Nonce = std::array<std::byte, crypto_stream_chacha20_ietf_NONCEBYTES>;
+
+Nonce nonce_of(std::uint32_t high, std::uint64_t low) noexcept {
+  Nonce nonce;
+  put_u32(std::span(nonce).first<4>(), high);
+  put_u64(std::span(nonce).last<8>(), low);
+  return nonce;
+}
+
 }  // namespace
 
 bool start_crypto() noexcept { return sodium_init() >= 0; }
@@ -45,25 +54,31 @@ Tag tag_of(const Secret& secret, Parts parts) noexcept {
   return tag;
 }
 
-Tag counted_tag_of(const Secret& secret, std::uint64_t counter, Parts parts) noexcept {
+void derive_one_time_keys(const Secret& secret, std::uint32_t high, std::uint64_t low,
+                          std::span<OneTimeKey> keys) noexcept {
+  const Nonce nonce = nonce_of(high, low);
+  const std::span<std::byte> space = std::as_writable_bytes(keys);
+  crypto_stream_chacha20_ietf(raw_space(space), space.size(), raw(nonce), raw(secret));
+}
+
+OneTimeKey one_time_key(const Secret& secret, std::uint32_t high, std::uint64_t low,
+                        std::uint32_t place) noexcept {
+  const Nonce nonce = nonce_of(high, low);
+  std::array<OneTimeKey, 2> block{};
+  const std::span<std::byte> space = std::as_writable_bytes(std::span(block));
+  crypto_stream_chacha20_ietf_xor_ic(raw_space(space), raw(space), space.size(), raw(nonce),
+                                     place / 2, raw(secret));
+  return block[place % 2];
+}
+
+Tag one_time_tag(const OneTimeKey& key, Parts parts) noexcept {
   static_assert(sizeof(Tag) == crypto_onetimeauth_poly1305_BYTES);
-  constexpr std::size_t kBlock = 16;
-  std::array<std::byte, crypto_stream_chacha20_ietf_NONCEBYTES> nonce{};
-  put_u64(std::span(nonce).last<8>(), counter);
-  std::array<std::byte, crypto_onetimeauth_poly1305_KEYBYTES> once;
-  crypto_stream_chacha20_ietf(raw_space(once), once.size(), raw(nonce), raw(secret));
+  static_assert(sizeof(OneTimeKey) == crypto_onetimeauth_poly1305_KEYBYTES);
   crypto_onetimeauth_poly1305_state state;
-  crypto_onetimeauth_poly1305_init(&state, raw(once));
-  std::size_t bytes = 0;
+  crypto_onetimeauth_poly1305_init(&state, raw(key));
   for (const std::span<const std::byte> part : parts) {
     crypto_onetimeauth_poly1305_update(&state, raw(part), part.size());
-    bytes += part.size();
   }
-  // Zeros up to a whole block, then the lengths of additional data and plaintext.
-  std::array<std::byte, 2 * kBlock> end{};
-  const std::size_t zeros = (kBlock - bytes % kBlock) % kBlock;
-  put_u64(std::span(end).subspan(zeros).first<8>(), bytes);
-  crypto_onetimeauth_poly1305_update(&state, raw(end), zeros + kBlock);
   Tag tag;
   crypto_onetimeauth_poly1305_final(&state, raw_space(tag));
   return tag;
@@ -109,6 +124,9 @@ bool is_signed(const PublicKey& by, const Signature& signature,
 
 bool equal_secrets(std::span<const std::byte> a, std::span<const std::byte> b) noexcept {
   STOF_CHECK(a.size() == b.size());
+  if (a.size() == crypto_verify_16_BYTES) {  // a third of the general one's time
+    return crypto_verify_16(raw(a), raw(b)) == 0;
+  }
   return sodium_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 

@@ -26,10 +26,18 @@ void fill_random(std::span<std::byte> bytes) noexcept;
 // Keyed BLAKE2b (RFC 7693) of 16 bytes over the parts, one behind the other: whoever knows the
 // secret alone can make it. The parts' lengths are not told apart: have fixed ones.
 Tag tag_of(const Secret& secret, Parts parts) noexcept;
-// The tag of ChaCha20-Poly1305 (RFC 8439) with no plaintext: the parts, one behind the other, are
-// its additional data, `counter` behind four zeros its nonce. Of a long message it costs a third of
-// tag_of(); whoever makes two with one secret and counter gives the secret away.
-Tag counted_tag_of(const Secret& secret, std::uint64_t counter, Parts parts) noexcept;
+
+// Keys of Poly1305 (RFC 8439, 2.5), each for one message: whoever makes two tags with one of them
+// gives it away. They are 32 bytes each of the keystream of ChaCha20 (RFC 8439, 2.4, from block 0),
+// two of a block of it; `high` and `low` are its nonce, little-endian. Many at once cost an eighth.
+using OneTimeKey = std::array<std::byte, 32>;
+void derive_one_time_keys(const Secret& secret, std::uint32_t high, std::uint64_t low,
+                          std::span<OneTimeKey> keys) noexcept;
+// The one at that place of them.
+OneTimeKey one_time_key(const Secret& secret, std::uint32_t high, std::uint64_t low,
+                        std::uint32_t place) noexcept;
+// Poly1305 of the parts, one behind the other. Of a long message it costs a quarter of tag_of().
+Tag one_time_tag(const OneTimeKey& key, Parts parts) noexcept;
 // BLAKE2b of 32 bytes, with a key of at most 64 bytes; an empty one: without.
 Digest digest_of(std::span<const std::byte> key, Parts parts) noexcept;
 

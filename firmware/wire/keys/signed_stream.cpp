@@ -26,17 +26,15 @@ Digest pad_of(const KeyHandover& to) noexcept {
   return digest_of(to.key.secret, {std::as_bytes(std::span(kText)), numbers});
 }
 
-Tag tag_of_datagram(const StreamKey& key, std::uint64_t counter,
-                    std::span<const std::byte> datagram) noexcept {
+Tag tag_of_datagram(const OneTimeKey& key, std::span<const std::byte> datagram) noexcept {
   const std::span<const std::byte> covered = datagram.first(datagram.size() - kCrcBytes);
-  return counted_tag_of(key.secret, counter,
-                        {covered.first(kTagAt), covered.subspan(kSignedHeaderBytes)});
+  return one_time_tag(key, {covered.first(kTagAt), covered.subspan(kSignedHeaderBytes)});
 }
 
 }  // namespace
 
 StreamKeyFields seal_stream_key(const StreamKey& stream, const KeyHandover& to) noexcept {
-  StreamKeyFields fields{.number = stream.number};
+  StreamKeyFields fields{.number = stream.number, .tags = kStreamTags};
   Digest pad = pad_of(to);
   std::ranges::transform(stream.secret, pad, fields.sealed.begin(), [](std::byte a, std::byte b) {
     return std::to_integer<std::uint8_t>(a ^ b);
@@ -46,6 +44,9 @@ StreamKeyFields seal_stream_key(const StreamKey& stream, const KeyHandover& to) 
 }
 
 StreamKey open_stream_key(const StreamKeyFields& fields, const KeyHandover& to) noexcept {
+  if (fields.tags != kStreamTags) {
+    return {};
+  }
   StreamKey stream{.number = fields.number};
   Digest pad = pad_of(to);
   std::ranges::transform(fields.sealed, pad, stream.secret.begin(),
@@ -54,7 +55,21 @@ StreamKey open_stream_key(const StreamKeyFields& fields, const KeyHandover& to) 
   return stream;
 }
 
-std::span<const std::byte> sign_datagram(std::span<const std::byte> datagram, const StreamKey& key,
+OneTimeKey StreamTagger::key_of(std::uint64_t counter) const noexcept {
+  const std::uint64_t block = counter / kInBlock;
+  const auto place = static_cast<std::uint32_t>(counter % kInBlock);
+  return block == block_ ? keys_[place] : one_time_key(key_.secret, key_.number, block, place);
+}
+
+void StreamTagger::keep(std::uint64_t counter) noexcept {
+  const std::uint64_t block = counter / kInBlock;
+  if (block_ == kNone || block > block_) {
+    block_ = block;
+    derive_one_time_keys(key_.secret, key_.number, block, keys_);
+  }
+}
+
+std::span<const std::byte> sign_datagram(std::span<const std::byte> datagram, StreamTagger& tagger,
                                          std::uint64_t counter, DatagramBuffer& buffer) noexcept {
   STOF_CHECK(datagram.size() >= kHeaderBytes + kCrcBytes &&
              datagram.size() + kStreamSignatureBytes <= buffer.size());
@@ -63,9 +78,10 @@ std::span<const std::byte> sign_datagram(std::span<const std::byte> datagram, co
   std::ranges::copy(datagram.first<kHeaderBytes>(), out.begin());
   std::ranges::copy(datagram.subspan(kHeaderBytes), out.begin() + kSignedHeaderBytes);
   put_u8(out.subspan<kHeaderLengthAt, 1>(), kSignedHeaderBytes);
-  encode_stream_signature({.number = key.number, .counter = counter},
+  encode_stream_signature({.number = tagger.key().number, .counter = counter},
                           out.subspan<kHeaderBytes, kStreamSignatureBytes>());
-  std::ranges::copy(tag_of_datagram(key, counter, out), out.begin() + kTagAt);
+  tagger.keep(counter);
+  std::ranges::copy(tag_of_datagram(tagger.key_of(counter), out), out.begin() + kTagAt);
   put_u32(out.last<kCrcBytes>(), crc32c(out.first(bytes - kCrcBytes)));
   return out;
 }
@@ -79,9 +95,9 @@ std::optional<StreamSignature> signature_of(std::span<const std::byte> datagram)
   return signature && signature->number != 0 ? std::optional(*signature) : std::nullopt;
 }
 
-bool signed_with(const StreamKey& key, const StreamSignature& signature,
+bool signed_with(const StreamTagger& tagger, const StreamSignature& signature,
                  std::span<const std::byte> datagram) noexcept {
-  return equal_secrets(tag_of_datagram(key, signature.counter, datagram),
+  return equal_secrets(tag_of_datagram(tagger.key_of(signature.counter), datagram),
                        std::as_bytes(std::span(signature.tag)));
 }
 

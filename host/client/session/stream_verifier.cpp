@@ -7,20 +7,23 @@ namespace stof::client {
 
 void StreamVerifier::set_key(const wire::StreamKey& key, std::uint32_t session) {
   Known& newest = known_.front();
-  if (key.number == newest.key.number && wire::equal_secrets(key.secret, newest.key.secret)) {
+  const wire::StreamKey& had = newest.tagger.key();
+  if (key.number == had.number && wire::equal_secrets(key.secret, had.secret)) {
     return;
   }
   // The same number again is of a sensor that started again.
-  known_.back() = key.number == newest.key.number || session != session_ ? Known{} : newest;
+  known_.back() = key.number == had.number || session != session_ ? Known{} : newest;
   session_ = session;
-  newest = {.key = key};
+  newest = {.tagger = wire::StreamTagger(key)};
 }
 
 StreamVerifier::Verdict StreamVerifier::judge(std::span<const std::byte> datagram) {
   const std::optional<wire::StreamSignature> signature = wire::signature_of(datagram);
   const auto known =
-      signature ? std::ranges::find_if(
-                      known_, [&](const Known& one) { return one.key.number == signature->number; })
+      signature ? std::ranges::find_if(known_,
+                                       [&](const Known& one) {
+                                         return one.tagger.key().number == signature->number;
+                                       })
                 : known_.end();
   if (known == known_.end()) {
     return Verdict::kNotSigned;
@@ -35,12 +38,13 @@ StreamVerifier::Verdict StreamVerifier::judge(std::span<const std::byte> datagra
       return Verdict::kDuplicate;
     }
   }
-  if (!wire::signed_with(known->key, *signature, datagram)) {
+  if (!wire::signed_with(known->tagger, *signature, datagram)) {
     return Verdict::kForged;
   }
+  known->tagger.keep(counter);  // who cannot sign moves nothing
   known->use(counter);
   ++good_;
-  good_number_ = known->key.number;
+  good_number_ = signature->number;
   return Verdict::kGood;
 }
 

@@ -27,7 +27,7 @@ class StreamVerifier {
   // The sensor signs with it from now on, in this session. What the key before it signed is good as
   // well, until the next one; what it signed in another session no more.
   void set_key(const wire::StreamKey& key, std::uint32_t session = 0);
-  bool has_key() const noexcept { return known_.front().key.number != 0; }
+  bool has_key() const noexcept { return known_.front().tagger.key().number != 0; }
 
   // Of a datagram that wire::parse_packet() took. A good one's counter is used up.
   Verdict judge(std::span<const std::byte> datagram);
@@ -37,7 +37,7 @@ class StreamVerifier {
 
  private:
   struct Known {
-    wire::StreamKey key{};
+    wire::StreamTagger tagger;
     std::uint64_t highest = 0;
     std::bitset<kWindow> seen{};  // of the newest kWindow counters, by their remainder
 

@@ -43,11 +43,12 @@ std::string quantiles(std::string_view name, std::vector<double> values) {
     const double last = values.empty() ? 0 : static_cast<double>(values.size() - 1);
     return values.empty() ? 0 : values[static_cast<std::size_t>(share * last + 0.5)];
   };
-  std::array<char, 160> text{};
+  std::array<char, 200> text{};
   const int length = static_cast<int>(name.size());
-  std::snprintf(text.data(), text.size(), R"("%.*s_p50":%.3f,"%.*s_p99":%.3f,"%.*s_max":%.3f)",
-                length, name.data(), at(0.5), length, name.data(), at(0.99), length, name.data(),
-                at(1));
+  std::snprintf(text.data(), text.size(),
+                R"("%.*s_p10":%.3f,"%.*s_p50":%.3f,"%.*s_p99":%.3f,"%.*s_max":%.3f)", length,
+                name.data(), at(0.1), length, name.data(), at(0.5), length, name.data(), at(0.99),
+                length, name.data(), at(1));
   return text.data();
 }
 

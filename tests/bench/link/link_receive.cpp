@@ -2,8 +2,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-
-#include <sys/resource.h>
+#include <ctime>
 
 #include "tests/bench/link/link_bench.h"
 
@@ -16,12 +15,9 @@ using client::Time;
 volatile std::sig_atomic_t g_stop = 0;  // NOLINT: what a signal handler may write
 
 double cpu_seconds() {
-  rusage used{};
-  getrusage(RUSAGE_SELF, &used);
-  const auto seconds = [](const timeval& value) {
-    return static_cast<double>(value.tv_sec) + 1e-6 * static_cast<double>(value.tv_usec);
-  };
-  return seconds(used.ru_utime) + seconds(used.ru_stime);
+  timespec used{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
 }
 
 class Meter {
@@ -35,10 +31,14 @@ class Meter {
     if (order_.new_session()) {
       tell_first(frame);
     }
+    const double cpu = cpu_seconds();
     if (frames_ == 0) {
       first_ = frame.last_packet;
-      cpu_ = cpu_seconds();
+      cpu_ = cpu;
+    } else {
+      used_.push_back(1e3 * (cpu - used_before_));
     }
+    used_before_ = cpu;
     ++frames_;
     last_ = frame.last_packet;
     latencies_.push_back(1e-6 * static_cast<double>(nanoseconds(frame.last_packet) -
@@ -48,6 +48,7 @@ class Meter {
       for (std::size_t i = 0; i < stages_us_.size(); ++i) {
         stages_us_[i] += frame.info->stage_us[i];
       }
+      sending_.push_back(1e-3 * frame.info->stage_us.back());
       ready_us_ += frame.info->latency_ns / 1000;
       packets_ += frame.packets;
     }
@@ -75,10 +76,11 @@ class Meter {
     for (std::size_t i = 0; i < stages_us_.size(); ++i) {
       std::printf("%s%llu", i == 0 ? "" : ",", static_cast<unsigned long long>(stages_us_[i]));
     }
-    std::printf("],\"packets\":%llu,\"disordered\":%llu,%s,\"statistics\":%s}\n",
+    std::printf("],\"packets\":%llu,\"disordered\":%llu,%s,%s,%s,\"statistics\":%s}\n",
                 static_cast<unsigned long long>(packets_),
                 static_cast<unsigned long long>(disordered_),
-                quantiles("latency", latencies_).c_str(), json(statistics).c_str());
+                quantiles("latency", latencies_).c_str(), quantiles("sending", sending_).c_str(),
+                quantiles("used", used_).c_str(), json(statistics).c_str());
   }
 
  private:
@@ -107,6 +109,9 @@ class Meter {
   std::uint64_t disordered_ = 0;
   std::uint64_t uptime_ = 0;
   std::vector<double> latencies_;
+  std::vector<double> sending_;  // ms, of each frame that told: without the waits of pacing
+  std::vector<double> used_;     // ms of processor, from frame to frame
+  double used_before_ = 0;
 };
 
 }  // namespace

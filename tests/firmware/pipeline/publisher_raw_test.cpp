@@ -152,7 +152,8 @@ TEST(Publisher, RawPicturesAreSignedForWhoAskedForThat) {
       const auto signature = wire::signature_of(one.bytes);
       ASSERT_EQ(signature.has_value(), one.to == 2);
       if (signature) {
-        EXPECT_TRUE(wire::signed_with(numbered_stream_key(4), *signature, one.bytes));
+        EXPECT_TRUE(
+            wire::signed_with(wire::StreamTagger(numbered_stream_key(4)), *signature, one.bytes));
         EXPECT_LE(one.bytes.size(), wire::kMaxDatagram);
         counters.push_back(signature->counter);
       }

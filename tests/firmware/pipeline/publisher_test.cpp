@@ -203,7 +203,7 @@ std::array<Signed, 3> got_by(emu::DatagramPort& port, const ReceiverList& receiv
     EXPECT_EQ(signature.has_value(), key.number != 0);
     if (signature) {
       EXPECT_EQ(signature->number, key.number);
-      EXPECT_TRUE(wire::signed_with(key, *signature, sent->bytes));
+      EXPECT_TRUE(wire::signed_with(wire::StreamTagger(key), *signature, sent->bytes));
       got.at(receiver).counters.push_back(signature->counter);
     }
     wire::DatagramBuffer space{};

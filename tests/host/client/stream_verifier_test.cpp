@@ -30,7 +30,8 @@ StreamKey numbered(std::uint32_t number, unsigned secret = 1) {
 
 Datagram sign(const Datagram& datagram, const StreamKey& key, std::uint64_t counter) {
   wire::DatagramBuffer buffer{};
-  const auto made = wire::sign_datagram(datagram, key, counter, buffer);
+  wire::StreamTagger tagger(key);
+  const auto made = wire::sign_datagram(datagram, tagger, counter, buffer);
   return {made.begin(), made.end()};
 }
 

@@ -326,13 +326,14 @@ TEST(Lib, TakesOnlyWhatIsSignedWhereThatWasAskedFor) {
   subscribe(*client, sensor);
   const stof::wire::StreamKey stream = sensor.list().keys[0];
   ASSERT_NE(stream.number, 0U);
+  stof::wire::StreamTagger tagger(stream);
   std::uint64_t counter = 0;
   for (std::uint32_t number = 1; number <= 3; ++number) {
     // Somebody sends a frame in its name, then it sends its own.
     send(sensor, stof::test::datagrams(frame_spec(number)));
     for (const Datagram& datagram : stof::test::datagrams(frame_spec(number))) {
       stof::wire::DatagramBuffer space{};
-      const auto made = stof::wire::sign_datagram(datagram, stream, ++counter, space);
+      const auto made = stof::wire::sign_datagram(datagram, tagger, ++counter, space);
       ASSERT_EQ(sensor.send(made), stof::Status::kOk);
     }
     const auto frame = client->next(10s);

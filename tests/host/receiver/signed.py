@@ -10,6 +10,7 @@ import stof_wire as wire  # noqa: E402
 
 HEADER, SIGNATURE_AT, TAG_AT, SIGNED_HEADER, CRC = 52, 52, 64, 80, 4
 SIGNED_FIELDS, TAG, SUBSCRIBED, STREAM_KEY = 24, 16, 16, 40
+IN_BLOCK, TAGS = 16, 1
 MASK = 0xFFFFFFFF
 ROUNDS = ((0, 4, 8, 12), (1, 5, 9, 13), (2, 6, 10, 14), (3, 7, 11, 15),
           (0, 5, 10, 15), (1, 6, 11, 12), (2, 7, 8, 13), (3, 4, 9, 14))
@@ -43,10 +44,11 @@ def poly1305(message, key):
     return (total + int.from_bytes(key[16:32], "little") & (1 << 128) - 1).to_bytes(16, "little")
 
 
-def counted_tag(key, counter, data):
-    """RFC 8439, 2.8: without a plaintext."""
-    once = chacha20_block(key, 0, bytes(4) + struct.pack("<Q", counter))[:32]
-    return poly1305(data + bytes(-len(data) % 16) + struct.pack("<QQ", len(data), 0), once)
+def counted_tag(key, number, counter, data):
+    """Poly1305 with the one-time key of that counter: keys of 32 bytes, 16 of one keystream."""
+    nonce, place = struct.pack("<IQ", number, counter // IN_BLOCK), counter % IN_BLOCK
+    once = chacha20_block(key, place // 2, nonce)[32 * (place % 2):][:32]
+    return poly1305(data, once)
 
 
 def signature(datagram):
@@ -58,8 +60,8 @@ def signature(datagram):
 
 
 def signed_with(key, datagram):
-    _, counter, tag = signature(datagram)
-    return counted_tag(key, counter, datagram[:TAG_AT] + datagram[SIGNED_HEADER:-CRC]) == tag
+    number, counter, tag = signature(datagram)
+    return counted_tag(key, number, counter, datagram[:TAG_AT] + datagram[SIGNED_HEADER:-CRC]) == tag
 
 
 def sign_request(secret, key_id, origin, kind, counter, payload):
@@ -85,7 +87,9 @@ def open_answer(secret, datagram):
 
 def open_stream_key(secret, key_id, origin, counter, payload):
     """(number, key) that follows the `subscribed`."""
-    number, = struct.unpack_from("<I", payload, SUBSCRIBED)
+    number, tags = struct.unpack_from("<IB", payload, SUBSCRIBED)
+    if tags != TAGS:
+        raise ValueError(f"tags are made in another way: {tags}")
     text = b"stof stream key 1" + struct.pack("<IIIQ", origin.device_id, origin.session_id, key_id, counter)
     pad = hashlib.blake2b(text, digest_size=32, key=secret).digest()
     sealed = payload[SUBSCRIBED + 8:SUBSCRIBED + STREAM_KEY]

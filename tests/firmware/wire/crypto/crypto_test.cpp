@@ -68,6 +68,41 @@ TEST_F(CryptoTest, PartsAreTakenOneBehindTheOther) {
   EXPECT_NE(tag_of(bytes, {all}), tag_of(bytes, {all.subspan(5), all.first(5)}));
 }
 
+// RFC 8439, section 2.3.2: block 1 of a keystream; 2.5.2.
+TEST_F(CryptoTest, OneTimeTagsArePoly1305WithKeysOfChaCha20) {
+  constexpr std::uint32_t kHigh = 0x09000000;
+  constexpr std::uint64_t kLow = 0x4A000000;
+  const auto third = bytes_of("10f1e7e4d13b5915500fdd1fa32071c4c7d1f4c733c068030422aa9ac3d46c4e");
+  const auto fourth = bytes_of("d2826446079faa0914c2d705d98b02a2b5129cd1de164eb9cbd083e8a2503c4e");
+  std::array<OneTimeKey, 16> keys;
+  derive_one_time_keys(counted(), kHigh, kLow, keys);
+  EXPECT_EQ(listed(keys[2]), third);
+  EXPECT_EQ(listed(keys[3]), fourth);
+  for (std::uint32_t place = 0; place < keys.size(); ++place) {
+    EXPECT_EQ(one_time_key(counted(), kHigh, kLow, place), keys[place]) << place;
+  }
+  const auto key =
+      array_of<OneTimeKey>("85d6be7857556d337f4452fe42d506a80103808afb0db2fd4abff6af4149f51b");
+  constexpr std::string_view kText = "Cryptographic Forum Research Group";
+  const auto text = std::as_bytes(std::span(kText));
+  const auto expected = bytes_of("a8061dc1305136c6c22b8baf0c0127a9");
+  EXPECT_EQ(listed(one_time_tag(key, {text})), expected);
+  EXPECT_EQ(listed(one_time_tag(key, {text.first(3), {}, text.subspan(3)})), expected);
+}
+
+TEST_F(CryptoTest, SecretsAreEqualInAllBytesOrNot) {
+  for (const std::size_t size : {16U, 32U}) {
+    std::vector<std::byte> a(size, std::byte{0x5A});
+    std::vector<std::byte> b = a;
+    EXPECT_TRUE(equal_secrets(a, b));
+    for (std::size_t i = 0; i < size; ++i) {
+      b[i] ^= std::byte{0x80};
+      EXPECT_FALSE(equal_secrets(a, b)) << i;
+      b[i] = a[i];
+    }
+  }
+}
+
 // RFC 7748, section 6.1.
 TEST_F(CryptoTest, BothSidesOfAnExchangeKnowTheSame) {
   const Exchange alice(

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -59,13 +60,14 @@ Bytes plain(std::size_t payload_bytes) {
 
 Bytes signed_by(const StreamKey& key, std::uint64_t counter, std::span<const std::byte> datagram) {
   DatagramBuffer buffer{};
-  const auto made = sign_datagram(datagram, key, counter, buffer);
+  StreamTagger tagger(key);
+  const auto made = sign_datagram(datagram, tagger, counter, buffer);
   return {made.begin(), made.end()};
 }
 
 bool good(const StreamKey& key, std::span<const std::byte> datagram) {
   const auto signature = signature_of(datagram);
-  return signature && signed_with(key, *signature, datagram);
+  return signature && signed_with(StreamTagger(key), *signature, datagram);
 }
 
 class SignedStream : public testing::Test {
@@ -78,8 +80,37 @@ TEST_F(SignedStream, TheWorkedDatagramIsWhatTheDocumentSays) {
   const Bytes packet = of_document("## A worked packet");
   const Bytes expected = of_document("## The same packet, signed");
   ASSERT_EQ(expected.size(), packet.size() + kStreamSignatureBytes);
-  EXPECT_EQ(signed_by(counting_key(), 7, packet), expected);
+  EXPECT_EQ(signed_by(counting_key(), 39, packet), expected);
   EXPECT_TRUE(good(counting_key(), expected));
+}
+
+// Whether it comes of a block or is made by itself, before, behind and within the one that is kept.
+TEST_F(SignedStream, EachCounterHasAKeyOfItsOwnHoweverItIsMade) {
+  StreamTagger kept(counting_key());
+  kept.keep(40);
+  StreamTagger tagger(counting_key());
+  std::set<OneTimeKey> all;
+  for (std::uint64_t counter = 0; counter < 100; ++counter) {
+    tagger.keep(counter);
+    const OneTimeKey key = tagger.key_of(counter);
+    EXPECT_EQ(key, StreamTagger(counting_key()).key_of(counter)) << counter;
+    EXPECT_EQ(key, kept.key_of(counter)) << counter;
+    EXPECT_TRUE(all.insert(key).second) << counter;
+  }
+  tagger.keep(3);  // older: stays where it is
+  EXPECT_EQ(tagger.key_of(3), kept.key_of(3));
+  EXPECT_EQ(tagger.key_of(99), kept.key_of(99));
+  // The same secret under another number has other keys.
+  EXPECT_FALSE(all.contains(StreamTagger(counting_key(2)).key_of(5)));
+}
+
+TEST_F(SignedStream, TheLastCountersHaveKeysToo) {
+  const std::uint64_t last = ~std::uint64_t{0};
+  StreamTagger tagger(counting_key());
+  for (const std::uint64_t counter : {last - 16, last - 15, last - 1, last}) {
+    tagger.keep(counter);
+    EXPECT_EQ(tagger.key_of(counter), StreamTagger(counting_key()).key_of(counter));
+  }
 }
 
 TEST_F(SignedStream, ReadersThatKnowNothingOfItReadWhatTheyReadBefore) {
@@ -137,14 +168,27 @@ TEST_F(SignedStream, TheKeyIsHandedOverToWhoeverHasTheSecretAlone) {
             stream);
 }
 
+// Of a sensor that makes tags in another way nothing could be verified.
+TEST_F(SignedStream, AKeyForOtherTagsIsNone) {
+  const Key key = test::numbered_key(4);
+  const KeyHandover to{.sensor = {.device_id = 1, .session_id = 7}, .key = key, .counter = 5};
+  StreamKeyFields fields = seal_stream_key(counting_key(9), to);
+  for (const int tags : {0, 2, 255}) {
+    fields.tags = static_cast<std::uint8_t>(tags);
+    EXPECT_EQ(open_stream_key(fields, to), StreamKey{}) << tags;
+  }
+  fields.tags = kStreamTags;
+  EXPECT_EQ(open_stream_key(fields, to), counting_key(9));
+}
+
 TEST_F(SignedStream, AllocatesNothing) {
   const Bytes datagram = plain(kMaxTilePayload);
-  const StreamKey key = counting_key();
+  StreamTagger tagger(counting_key());
   DatagramBuffer buffer{};
   const int before = test::allocations;
   for (std::uint64_t counter = 1; counter < 100; ++counter) {
-    const auto made = sign_datagram(datagram, key, counter, buffer);
-    ASSERT_TRUE(signed_with(key, *signature_of(made), made));
+    const auto made = sign_datagram(datagram, tagger, counter, buffer);
+    ASSERT_TRUE(signed_with(tagger, *signature_of(made), made));
   }
   EXPECT_EQ(test::allocations, before);
 }
