@@ -75,7 +75,7 @@ class OnFiles(unittest.TestCase):
         calibration = self.folder / "rig.cal"
         calibration.write_bytes(b"calibration of a rig")
         done = self.run_flash("--yes", "--calibration", calibration, "--name", "front \u00e4", "--address", "192.168.7.2/24",
-                              "--option=--size", "--option=320x240")
+                              "--address", "dhcp", "--option=--size", "--option=320x240")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stderr, "")  # no bar: this is no terminal
         code = CODE.search(done.stdout)[1]
@@ -85,7 +85,7 @@ class OnFiles(unittest.TestCase):
         self.assertEqual(disk.read_ext4(part, "rig.cal"), b"calibration of a rig")
         with open(part, "rb") as open_part:
             self.assertEqual(records.newest(open_part, "settings").data.decode(), '{"name": "front \u00e4"}\n')
-        self.assertEqual(disk.read_ext4(part, "address"), b"192.168.7.2/24\n")
+        self.assertEqual(disk.read_ext4(part, "address"), b"192.168.7.2/24\ndhcp\n")
         self.assertEqual(disk.read_ext4(part, "options"), b"--size\n320x240\n")
         self.assertEqual(disk.read_ext4(part, "label").decode().strip(), code.replace("-", ""))
         self.assertNotEqual(seed_of(part), bytes(disk.SEED_BYTES))
@@ -136,7 +136,7 @@ class OnFiles(unittest.TestCase):
         for arguments, places, said in (
                 (["--name", "x" * 32], {}, "--name takes"), (["--name", ""], {}, "--name takes"),
                 (["--name", "a\nb"], {}, "--name takes"), (["--address", "192.168.7.2"], {}, "--address takes"),
-                (["--address", "192.168.7.0/24"], {}, "no address of a host"), (["--address", "::1/64"], {}, "--address takes"),
+                (["--address", "192.168.7.0/24"], {}, "no address of a host"), (["--address", "dhcp", "--address", "::1/64"], {}, "--address takes"),
                 (["--calibration", self.folder / "none"], {}, "No such file"), (["--option", ""], {}, "one word"),
                 ([], {"image": short}, "no image of scripts/image"), ([], {"image": self.folder / "none"}, "No such file"),
                 ([], {"card": short}, "use a larger one"), ([], {"card": self.folder / "none"}, "No such file"),
