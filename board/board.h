@@ -16,6 +16,7 @@
 #include "hal/button.h"
 #include "hal/clock.h"
 #include "hal/datagram_port.h"
+#include "hal/disk.h"
 #include "hal/network_interfaces.h"
 #include "hal/pmd_camera.h"
 #include "hal/serial_port.h"
@@ -119,6 +120,9 @@ HeapCalls heap_calls() noexcept;
 // Where settings are kept under that name, or what its owner alone may read; nothing is opened yet.
 std::unique_ptr<hal::Store> make_store(std::string_view name);
 std::unique_ptr<hal::Store> make_secret_store(std::string_view name);
+
+// A partition, or a file in its place. May allocate. Errors as hal::linux::FileDisk.
+Result<std::unique_ptr<hal::Disk>> make_disk(std::string_view name);
 
 // The disk that this start came from, by the common name of its partitions, or files in their
 // place: 1, 2 and 3 are put behind it. May allocate. kDeviceError, kUnsupported: as

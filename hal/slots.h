@@ -21,8 +21,9 @@ class Slots {
 
   // Bytes of a part, a multiple of 512.
   virtual std::size_t bytes(DiskPart part) const noexcept = 0;
-  // As many as `to` has, from `offset` on; blocks as long as the medium takes. Not while a write is
-  // under way. kInvalidArgument: not within the part; kDeviceError.
+  // As many as `to` has, from `offset` on, as they stand on the medium; blocks as long as the
+  // medium takes. Not while a write is under way. kInvalidArgument: not within the part;
+  // kDeviceError.
   virtual Status read(DiskPart part, std::size_t offset, std::span<std::byte> to) noexcept = 0;
   // Begins to write and to flush; the bytes stay as they are until progress() says other than
   // kTimeout. Not while another write is under way.

@@ -257,6 +257,7 @@ def image(log):
     count.add(unit_tests(log, "tests/scripts/flash_test.py"))
     if system_tools(log, "virt"):
         count.add(system_program(log, "tests/system/image_boot.py"))
+        count.add(system_program(log, "tests/system/image_update.py"))
     else:
         count.add(Count(failed=1, notes=["the build failed"]))
     return count

@@ -14,6 +14,7 @@
 #include "hal/linux/gpio/gpio_trigger.h"
 #include "hal/linux/libcamera/libcamera_stereo.h"
 #include "hal/linux/system/clock.h"
+#include "hal/linux/system/file_disk.h"
 #include "hal/linux/system/file_slots.h"
 #include "hal/linux/system/file_store.h"
 #include "hal/linux/system/heap_watch.h"
@@ -282,6 +283,10 @@ std::unique_ptr<hal::Store> make_store(std::string_view name) {
 
 std::unique_ptr<hal::Store> make_secret_store(std::string_view name) {
   return std::make_unique<linux::FileStore>(std::string(name), linux::FileStore::Readers::kOwner);
+}
+
+Result<std::unique_ptr<hal::Disk>> make_disk(std::string_view name) {
+  return linux::FileDisk::open(std::string(name));
 }
 
 Result<std::unique_ptr<hal::Slots>> make_slots(std::string_view prefix) {

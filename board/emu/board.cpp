@@ -16,6 +16,7 @@
 #include "hal/emu/devices/clock.h"
 #include "hal/emu/imagery/replay.h"
 #include "hal/linux/system/clock.h"
+#include "hal/linux/system/file_disk.h"
 #include "hal/linux/system/file_slots.h"
 #include "hal/linux/system/file_store.h"
 #include "hal/linux/system/realtime.h"
@@ -242,6 +243,10 @@ std::unique_ptr<hal::Store> make_store(std::string_view name) {
 std::unique_ptr<hal::Store> make_secret_store(std::string_view name) {
   return std::make_unique<hal::linux::FileStore>(std::string(name),
                                                  hal::linux::FileStore::Readers::kOwner);
+}
+
+Result<std::unique_ptr<hal::Disk>> make_disk(std::string_view name) {
+  return hal::linux::FileDisk::open(std::string(name));
 }
 
 Result<std::unique_ptr<hal::Slots>> make_slots(std::string_view prefix) {

@@ -40,13 +40,18 @@ void say(const settings::PagedWriter& line) {
   }
 }
 
+// Where settings are kept, for whoever reads a line about them.
+const std::string& place_of(const Options& options) {
+  return options.records.empty() ? options.settings : options.records;
+}
+
 // Puts the command line's settings on top of the saved ones. Empty, or which flag takes what.
 std::string activate(const Options& options, InitialSettings& initial, std::string& notes) {
   initial.active = initial.saved.settings;
   const std::string_view line = initial.active.serial.device.view();
   initial.serial_dropped = !board::takes_serial_line(line);
   if (initial.serial_dropped) {
-    print_line(options.settings + ": serial.device: board " + board::kConfig.name +
+    print_line(place_of(options) + ": serial.device: board " + board::kConfig.name +
                " has no line " + std::string(line) + " for settings, it is left alone");
     initial.active.serial.device = {};
   }
@@ -102,6 +107,9 @@ std::string check_files(const Options& options) {
       named.push_back({"--keys", keys + ending});
     }
   }
+  if (!options.records.empty()) {
+    named.push_back({"--records", options.records});
+  }
   if (!options.port_file.empty()) {
     named.push_back({"--port-file", options.port_file});
   }
@@ -135,13 +143,65 @@ std::expected<std::optional<keys::LabelCode>, std::string> read_label(const Opti
   return code;
 }
 
+void open_files(const Options& options, InitialSettings& initial) {
+  if (!options.settings.empty()) {
+    initial.store = board::make_store(options.settings);
+    initial.good = board::make_store(options.settings + ".good");
+    initial.trial = board::make_store(options.settings + ".trial");
+    initial.fixed = board::make_store(options.settings + ".limits");
+    initial.calibration = board::make_store(options.settings + kCalibrationEnding);
+  }
+  if (const std::string keys = keys_file(options); !keys.empty()) {
+    initial.keys = board::make_secret_store(keys);
+    initial.damaged_keys = board::make_secret_store(keys + ".bad");
+  }
+}
+
+void open_records(records::RecordDisk& disk, InitialSettings& initial) {
+  using records::Document;
+  const auto store = [&disk](Document document, std::optional<Document> aside = {}) {
+    return std::make_unique<records::RecordStore>(disk, document, aside);
+  };
+  initial.store = store(Document::kSettings, Document::kDamagedSettings);
+  initial.good = store(Document::kGoodSettings);
+  initial.trial = store(Document::kTrial);
+  initial.fixed = store(Document::kLimits);
+  initial.calibration = store(Document::kCalibration, Document::kDamagedCalibration);
+  initial.keys = store(Document::kKeys);
+  initial.damaged_keys = store(Document::kDamagedKeys);
+}
+
+// Empty, or which flag takes what.
+std::string open_stores(const Options& options, InitialSettings& initial) {
+  if (options.records.empty()) {
+    open_files(options, initial);
+    return {};
+  }
+  if (!options.settings.empty() || !options.keys.empty()) {
+    return "--records: takes the place of --settings and --keys: leave them out";
+  }
+  Result<std::unique_ptr<hal::Disk>> disk = board::make_disk(options.records);
+  if (!disk || (*disk)->bytes() < records::kRecordsBytes) {
+    return options.records + ": --records takes a partition of 12 MiB at least, or such a file";
+  }
+  initial.disk = std::move(*disk);
+  initial.records = std::make_unique<records::RecordDisk>(*initial.disk);
+  if (initial.records->mend() != Status::kOk) {
+    print_line(options.records +
+               ": some of what is kept there cannot be read, or nothing be written: write the card "
+               "again");
+  }
+  open_records(*initial.records, initial);
+  return {};
+}
+
 }  // namespace
 
 void read_keys(const Options& options, keys::Keyring& ring) {
   std::array<char, kLineBytes> space{};
   settings::PagedWriter line(space);
-  const std::string file = keys_file(options);
-  if (!file.empty()) {  // before load(), which takes that back
+  const std::string file = options.records.empty() ? keys_file(options) : options.records;
+  if (!file.empty() && options.records.empty()) {  // before load(), which takes that back
     say_readers(file, "the keys",
                 "its mode is 0600 from now on; renew the keys (stof pair --renew), or pair anew");
   }
@@ -159,23 +219,17 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
     return std::unexpected(std::move(why));
   }
   InitialSettings initial;
-  if (!keys_file(options).empty() || !options.label.empty()) {
+  if (!keys_file(options).empty() || !options.records.empty() || !options.label.empty()) {
     board::keep_memory_private();
   }
-  if (!options.settings.empty()) {
-    initial.store = board::make_store(options.settings);
-    initial.good = board::make_store(options.settings + ".good");
-    initial.trial = board::make_store(options.settings + ".trial");
-    initial.fixed = board::make_store(options.settings + ".limits");
-    initial.calibration = board::make_store(options.settings + kCalibrationEnding);
+  if (std::string why = open_stores(options, initial); !why.empty()) {
+    return std::unexpected(std::move(why));
+  }
+  if (initial.store != nullptr) {
     std::array<char, kLineBytes> space{};
     settings::PagedWriter line(space);
-    initial.saved = settings::load_settings(initial.stores(), options.settings, nullptr, line);
+    initial.saved = settings::load_settings(initial.stores(), place_of(options), nullptr, line);
     say(line);
-  }
-  if (const std::string keys = keys_file(options); !keys.empty()) {
-    initial.keys = board::make_secret_store(keys);
-    initial.damaged_keys = board::make_secret_store(keys + ".bad");
   }
   auto label = read_label(options);
   if (!label) {
@@ -194,7 +248,7 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
 
 InstalledCalibration read_installed(const Options& options, const InitialSettings& initial) {
   InstalledCalibration installed{
-      .place = options.settings + kCalibrationEnding, .file = {}, .unreadable = false};
+      .place = place_of(options) + kCalibrationEnding, .file = {}, .unreadable = false};
   if (initial.calibration == nullptr) {
     return installed;
   }
@@ -224,7 +278,7 @@ void drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& 
   if (!limits.accepts(initial.saved.settings, why)) {
     std::array<char, kLineBytes> line_space{};
     settings::PagedWriter line(line_space);
-    initial.saved = settings::reload_settings(initial.stores(), options.settings, limits, line);
+    initial.saved = settings::reload_settings(initial.stores(), place_of(options), limits, line);
     say(line);
     static_cast<void>(activate(options, initial, told_at_first));
   }
@@ -237,7 +291,7 @@ void drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& 
   std::array<char, kLineBytes> unused_space{};
   settings::PagedWriter unused(unused_space);
   if (apply(options.assignments, plain, told_at_first).empty() && limits.accepts(plain, unused)) {
-    print_line(options.settings + ": " + std::string(clash.text()) +
+    print_line(place_of(options) + ": " + std::string(clash.text()) +
                ", with this command line: the defaults hold");
     initial.saved = {.dropped = settings::Dropped::kUnusable, .strictest = strictest};
     initial.active = plain;

@@ -10,14 +10,19 @@
 #include "firmware/keys/pairing_server.h"
 #include "firmware/program/options.h"
 #include "firmware/program/run_config.h"
+#include "firmware/records/record_disk.h"
 #include "firmware/settings/saved_settings.h"
 #include "firmware/settings/settings.h"
+#include "hal/disk.h"
 #include "hal/store.h"
 
 namespace stof::firmware {
 
 // The settings at start: the saved ones, and on top of them those of the command line.
 struct InitialSettings {
+  // --records: what the stores below are in then.
+  std::unique_ptr<hal::Disk> disk;
+  std::unique_ptr<records::RecordDisk> records;
   // Of a file, and beside it NAME.good, NAME.trial and NAME.limits; empty: nothing is kept.
   std::unique_ptr<hal::Store> store;
   std::unique_ptr<hal::Store> good;

@@ -110,6 +110,8 @@ bool take_switch(std::string_view flag, Options& options) {
     options.settings_table = true;
   } else if (flag == "--no-trial") {
     options.no_trial = true;
+  } else if (flag == "--old-boot-loader") {
+    options.old_loader = true;
   } else {
     return false;
   }
@@ -157,6 +159,8 @@ bool take_value(std::string_view flag, std::string_view value, Options& options,
     wrong = take_text(flag, value, options.settings);
   } else if (flag == "--keys") {
     wrong = take_text(flag, value, options.keys);
+  } else if (flag == "--records") {
+    wrong = take_text(flag, value, options.records);
   } else if (flag == "--label") {
     wrong = take_text(flag, value, options.label);
   } else if (flag == "--to") {
@@ -286,6 +290,9 @@ std::string options_usage() {
       "keys,\n"
       "                       and the installed calibration (FILE.calibration)\n"
       "  --keys FILE          keys of clients (default: the settings' name with .keys behind it)\n"
+      "  --records DISK       partition that keeps settings, keys and the installed calibration in "
+      "place of\n"
+      "                       files: its last 12 MiB; not with --settings or --keys\n"
       "  --label FILE         32 hexadecimal digits of the label, with which clients may pair\n"
       "  --slots PREFIX       disk that this start came from: its partitions are PREFIX1, 2 and 3, "
       "or files\n"
@@ -293,6 +300,7 @@ std::string options_usage() {
       "  --slot a|b           that runs (default a)\n"
       "  --update-keys FILE   makers' public keys, 64 hexadecimal digits a line\n"
       "  --no-trial           this kernel cannot start the other slot once: no updates\n"
+      "  --old-boot-loader    that in this board's EEPROM cannot: no updates\n"
       "  --which-slot WHICH   print the slot of --slots that a start takes, usual or trial, and "
       "end\n"
       "  --restart WHICH      restart the board, usual, or trial: once with the other slot\n"

@@ -28,12 +28,14 @@ struct Options {
   std::string calibration;      // file; empty: the board's own
   std::string settings;         // file; empty: nothing is kept
   std::string keys;             // file; empty: SETTINGS.keys, or without settings nothing is kept
+  std::string records;          // partition with records in place of those files; empty: none
   std::string label;            // file with the label's code; empty: there is none
   std::string to;               // HOST:PORT that gets packets without asking; empty: none
   std::string slots;            // common name of the disk's partitions; empty: no updates
   std::string slot = "a";       // that this start came from
   std::string update_keys;      // file of makers' public keys; empty: none
   bool no_trial = false;        // this board's kernel cannot start the other slot once
+  bool old_loader = false;      // nor can the boot loader of this board
   std::string restart;          // the board, usual or trial, and nothing else; empty: run
   std::string which_slot;       // print the slot that a start takes, usual or trial; empty: run
   std::string port_file;        // gets the number of the UDP port; empty: none

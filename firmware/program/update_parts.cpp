@@ -71,6 +71,7 @@ update::UpdaterSetup UpdateParts::setup() const {
   return {.slots = slots.get(),
           .running = running,
           .can_try = can_try,
+          .old_loader = old_loader,
           .board = board::kConfig.name,
           .keys = keys};
 }
@@ -79,6 +80,7 @@ std::expected<UpdateParts, std::string> open_update_parts(const Options& options
   UpdateParts parts;
   parts.running = options.slot == "b" ? update::Slot::kB : update::Slot::kA;
   parts.can_try = !options.no_trial;
+  parts.old_loader = options.old_loader;
   if (!options.update_keys.empty()) {
     auto keys = read_update_keys(options.update_keys);
     if (!keys) {

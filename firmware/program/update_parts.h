@@ -17,6 +17,7 @@ struct UpdateParts {
   std::vector<wire::PublicKey> keys;
   update::Slot running = update::Slot::kA;
   bool can_try = false;
+  bool old_loader = false;
   std::string note;  // a line for whoever started it: what is missing; empty: nothing
 
   // Of this object, which outlives it.

@@ -1,5 +1,7 @@
 #include "firmware/update/slot_writer.h"
 
+#include <algorithm>
+
 namespace stof::update {
 
 void SlotWriter::begin(Slot slot) noexcept {
@@ -16,6 +18,21 @@ void SlotWriter::put(std::size_t bytes) noexcept {
   ++collected_;
 }
 
+// What was written last with what the medium gives.
+Status SlotWriter::compare() noexcept {
+  constexpr std::size_t kPart = 4096;
+  const std::span<const std::byte> chunk = buffer(written_).first(sizes_[written_ % kBuffers]);
+  std::array<std::byte, kPart> part;
+  for (std::size_t at = 0; at < chunk.size(); at += kPart) {
+    const std::span<std::byte> back = std::span(part).first(std::min(kPart, chunk.size() - at));
+    const Status read = slots_.read(part_of(slot_), written_ * kChunkBytes + at, back);
+    if (read != Status::kOk || !std::ranges::equal(back, chunk.subspan(at, back.size()))) {
+      return Status::kDeviceError;
+    }
+  }
+  return Status::kOk;
+}
+
 Status SlotWriter::pump() noexcept {
   if (under_way_) {
     const Status status = slots_.progress();
@@ -23,7 +40,7 @@ Status SlotWriter::pump() noexcept {
       return status;
     }
     under_way_ = false;
-    failed_ = status;
+    failed_ = status == Status::kOk && wiped_ ? compare() : status;
     written_ += wiped_ ? 1U : 0U;
     wiped_ = true;
   }

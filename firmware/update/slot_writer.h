@@ -14,6 +14,7 @@
 namespace stof::update {
 
 // Writes a slot in its order, chunk by chunk: one is collected while the one before is written.
+// Each is read back from the medium.
 // All memory is taken at construction. For one thread.
 class SlotWriter {
  public:
@@ -32,10 +33,11 @@ class SlotWriter {
   // The first so many bytes of room() are the next chunk.
   void put(std::size_t bytes) noexcept;
   // Begins what can be begun. kOk: all that was put is on the medium. kTimeout: not yet.
-  // kDeviceError: the medium does not take it; until begin().
+  // kDeviceError: the medium does not take it, or gives other bytes back; until begin().
   Status pump() noexcept;
 
  private:
+  Status compare() noexcept;
   static constexpr std::size_t kBuffers = 2;
   std::span<std::byte> buffer(std::size_t chunk) noexcept {
     return std::span(memory_).subspan(chunk % kBuffers * kChunkBytes);

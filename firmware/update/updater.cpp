@@ -18,7 +18,9 @@ hal::Duration before_of(hal::Duration period) noexcept {
 }
 
 wire::SettingsResult worn(PagedWriter& why) noexcept {
-  why << "update: the card takes no writes any more, the running release stays: use another card";
+  why << "update: the card takes no writes any more, or gives back other bytes; the running "
+         "release "
+         "stays: use another card";
   return wire::SettingsResult::kNotSaved;
 }
 
@@ -85,6 +87,9 @@ Updater::Result Updater::may_begin(PagedWriter& why) noexcept {
     why << "this sensor knows no maker's key: write the card again";
   } else if (!sector_ || room_of_slot() == 0) {
     why << "there is no autoboot.txt or no other slot on this card: write the card again";
+  } else if (setup_.old_loader) {
+    why << "the boot loader in this board's EEPROM is too old to start the other slot on trial: "
+           "update it (sudo rpi-eeprom-update -a, on a card with Raspberry Pi OS)";
   } else if (!setup_.can_try) {
     why << "this board's kernel cannot start the other slot on trial: write the card again, with "
            "Raspberry Pi's kernel";

@@ -23,7 +23,8 @@ namespace stof::update {
 struct UpdaterSetup {
   hal::Slots* slots = nullptr;  // nullptr: it came from none that can be updated
   Slot running = Slot::kA;
-  bool can_try = false;  // this board and kernel can start the other slot once
+  bool can_try = false;     // this board and kernel can start the other slot once
+  bool old_loader = false;  // the boot loader cannot, whatever the kernel
   std::string_view board{};
   std::span<const wire::PublicKey> keys{};  // of makers, any of which may have signed
 };

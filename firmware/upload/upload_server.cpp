@@ -107,10 +107,11 @@ UploadServer::Result UploadServer::serve(const wire::UploadRequest& request,
   Identity upload{.kind = request.kind, .total = request.total, .hash = {}, .key_id = by.key_id};
   std::ranges::transform(request.hash, upload.hash.begin(),
                          [](std::uint8_t byte) { return std::byte{byte}; });
-  if (phase_ != Phase::kNone && by.now - heard_ > kPatience) {
+  const bool silent = by.now - heard_ > kPatience;
+  if (phase_ == Phase::kOver && silent) {
     phase_ = Phase::kNone;
   }
-  if (phase_ == Phase::kRunning && upload_.key_id != by.key_id) {
+  if (phase_ == Phase::kRunning && !silent && upload_.key_id != by.key_id) {
     why << "upload: another key uploads now: try again in half a minute";
     return Result::kBusy;
   }

@@ -28,7 +28,8 @@ class UploadServer final : public firmware::SettingsService {
  public:
   // Of one request.
   static constexpr std::size_t kChunkBytes = 960;
-  // An upload of which nothing was heard for so long is none any more.
+  // An upload of which nothing was heard for so long holds up no other one: the next that is begun
+  // takes its place. Until then it goes on where it stopped, however late.
   static constexpr hal::Duration kPatience = std::chrono::seconds(30);
 
   // All outlive it. update: nullptr: this sensor takes none.

@@ -26,6 +26,10 @@ SLOTS = {"a": Partition("slot A", "STOF-A", FAT, 8 * MIB, 64 * MIB, 0x73740002),
 SETTINGS = Partition("settings", "stof-settings", LINUX, 136 * MIB, 32 * MIB, 0x73740004)
 PARTITIONS = (BOOT, SLOTS["a"], SLOTS["b"], SETTINGS)
 SIZE = SETTINGS.begin + SETTINGS.size
+# Of the settings partition: the factory's files, never written by a sensor; then an erase block for the random seed; then
+# records (records.py).
+FILES_BYTES = 16 * MIB
+SEED_AT, SEED_BYTES = FILES_BYTES, SECTOR
 UUID = "73746f66-0000-4000-8000-000000000004"  # of the settings' file system
 ENTRY = struct.Struct("<B3sB3sII")
 ENTRIES_AT = 446
@@ -96,13 +100,14 @@ def fat(path, part, files, epoch):
 
 
 def ext4(path, files, epoch):
-    """The settings' file system; files: {name: bytes}, of mode 0600."""
+    """The settings partition with its file system; files: {name: bytes}, of mode 0600. No journal: no sensor mounts it to write."""
     path.write_bytes(b"")
-    os.truncate(path, SETTINGS.size)
+    os.truncate(path, FILES_BYTES)
     run(["mke2fs", "-q", "-F", "-t", "ext4", "-b", "4096", "-I", "256", "-m", "0", "-L", SETTINGS.label, "-U", UUID,
          "-E", f"hash_seed={UUID},lazy_itable_init=0,lazy_journal_init=0,root_owner=0:0", "-O",
-         "^resize_inode,^dir_index,metadata_csum", "-J", "size=4", path], epoch)
+         "^resize_inode,^dir_index,^has_journal,metadata_csum", path], epoch)
     add_to_ext4(path, files, epoch)
+    os.truncate(path, SETTINGS.size)
 
 
 def add_to_ext4(path, files, epoch=None):
@@ -122,6 +127,13 @@ def add_to_ext4(path, files, epoch=None):
             source.unlink()
         if read_ext4(path, name) != data:
             raise DiskError(f"debugfs wrote {name} otherwise than it was told: is its package whole?")
+
+
+def put_seed(path, seed):
+    """The random seed of the next start, in the image of the settings partition."""
+    with open(path, "r+b") as part:
+        part.seek(SEED_AT)
+        part.write(seed)
 
 
 def read_ext4(path, name):

@@ -15,6 +15,7 @@ from importlib import machinery, util
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts" / "imaging"))
 import disk  # noqa: E402
+import records  # noqa: E402
 import target  # noqa: E402
 
 FLASH = ROOT / "scripts" / "flash"
@@ -30,6 +31,12 @@ def load():
 
 
 flash = load()
+
+
+def seed_of(part):
+    with open(part, "rb") as file:
+        file.seek(disk.SEED_AT)
+        return file.read(disk.SEED_BYTES)
 
 
 class OnFiles(unittest.TestCase):
@@ -68,7 +75,7 @@ class OnFiles(unittest.TestCase):
         calibration = self.folder / "rig.cal"
         calibration.write_bytes(b"calibration of a rig")
         done = self.run_flash("--yes", "--calibration", calibration, "--name", "front \u00e4", "--address", "192.168.7.2/24",
-                              "--option=--size", "--option=320x240")
+                              "--address", "dhcp", "--option=--size", "--option=320x240")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stderr, "")  # no bar: this is no terminal
         code = CODE.search(done.stdout)[1]
@@ -76,18 +83,19 @@ class OnFiles(unittest.TestCase):
             self.assertTrue(card.read(disk.SETTINGS.begin) == image.read(disk.SETTINGS.begin))
         part = self.settings()
         self.assertEqual(disk.read_ext4(part, "rig.cal"), b"calibration of a rig")
-        self.assertEqual(disk.read_ext4(part, "settings.json").decode(), '{"name": "front \u00e4"}\n')
-        self.assertEqual(disk.read_ext4(part, "address"), b"192.168.7.2/24\n")
+        with open(part, "rb") as open_part:
+            self.assertEqual(records.newest(open_part, "settings").data.decode(), '{"name": "front \u00e4"}\n')
+        self.assertEqual(disk.read_ext4(part, "address"), b"192.168.7.2/24\ndhcp\n")
         self.assertEqual(disk.read_ext4(part, "options"), b"--size\n320x240\n")
         self.assertEqual(disk.read_ext4(part, "label").decode().strip(), code.replace("-", ""))
-        self.assertEqual(len(disk.read_ext4(part, "seed")), 32)
+        self.assertNotEqual(seed_of(part), bytes(disk.SEED_BYTES))
         disk.run(["e2fsck", "-fn", part])
 
     def test_each_card_has_a_code_and_a_seed_of_its_own(self):
         found = set()
         for _ in range(2):
             done = self.run_flash("--yes")
-            found |= {CODE.search(done.stdout)[1], disk.read_ext4(self.settings(), "seed")}
+            found |= {CODE.search(done.stdout)[1], seed_of(self.settings())}
         self.assertEqual(len(found), 4)
 
     def test_nobody_to_be_asked_writes_nothing(self):
@@ -128,7 +136,7 @@ class OnFiles(unittest.TestCase):
         for arguments, places, said in (
                 (["--name", "x" * 32], {}, "--name takes"), (["--name", ""], {}, "--name takes"),
                 (["--name", "a\nb"], {}, "--name takes"), (["--address", "192.168.7.2"], {}, "--address takes"),
-                (["--address", "192.168.7.0/24"], {}, "no address of a host"), (["--address", "::1/64"], {}, "--address takes"),
+                (["--address", "192.168.7.0/24"], {}, "no address of a host"), (["--address", "dhcp", "--address", "::1/64"], {}, "--address takes"),
                 (["--calibration", self.folder / "none"], {}, "No such file"), (["--option", ""], {}, "one word"),
                 ([], {"image": short}, "no image of scripts/image"), ([], {"image": self.folder / "none"}, "No such file"),
                 ([], {"card": short}, "use a larger one"), ([], {"card": self.folder / "none"}, "No such file"),

@@ -18,6 +18,7 @@ sys.path.insert(0, str(ROOT / "scripts" / "imaging"))
 import cpio  # noqa: E402
 import disk  # noqa: E402
 import recipe  # noqa: E402
+import records  # noqa: E402
 import sbom  # noqa: E402
 import update_file  # noqa: E402
 
@@ -62,6 +63,58 @@ class Boards(unittest.TestCase):
             recipe.Recipe(ROOT, "moon", "usb")
         with self.assertRaisesRegex(recipe.RecipeError, "no camera film: use usb, imx296"):
             recipe.Recipe(ROOT, "rpi4", "film")
+
+
+class Init(InFolder):
+    """Functions of board/image/init, in this machine's shell."""
+
+    def function(self, name, *arguments, before=""):
+        text = (ROOT / "board/image/init").read_text()
+        body = text[text.index(f"\n{name}() {{") + 1:]
+        body = body[:body.index("\n}\n") + 3]
+        return subprocess.run(["sh", "-c", f'{before}{body}{name} "$@"', "sh", *map(str, arguments)], capture_output=True,
+                              text=True, check=False)
+
+    def test_a_boot_loader_that_does_not_know_slots_is_noticed(self):
+        for word, old in ((0x7F, False), (0x04, False), (0x03, True), (0x7B, True), (0xFFFFFF00, True)):
+            self.file("bootloader/capabilities", word.to_bytes(4, "big"))
+            self.assertEqual(self.function("old_boot_loader", self.folder / "bootloader").returncode, int(not old), hex(word))
+        (self.folder / "bootloader/capabilities").unlink()  # those of before 2021 say nothing
+        self.assertEqual(self.function("old_boot_loader", self.folder / "bootloader").returncode, 0)
+        self.assertEqual(self.function("old_boot_loader", self.folder / "no Raspberry Pi").returncode, 1)
+
+    def test_the_usual_slot_is_known_without_the_program_of_a_release(self):
+        # GNU's grep wants to be told what busybox takes for granted.
+        words = f'disk={self.folder}/card\ngrep() {{ command grep -a "$@"; }}\n'
+        for number, slot in ((2, "a"), (3, "b")):
+            text = f"[all]\ntryboot_a_b=1\nboot_partition={number}\n[tryboot]\nboot_partition={5 - number}\n".encode()
+            disk.fat(self.folder / "card1", disk.BOOT, {"autoboot.txt": text}, EPOCH)
+            done = self.function("usual_slot", before=words)
+            self.assertEqual((done.stdout, done.returncode), (f"{slot}\n", 0), done.stderr)
+        self.file("card1", bytes(4096))
+        self.assertEqual(self.function("usual_slot", before=words).stdout, "")
+
+
+class Records(InFolder):
+    def test_both_areas_get_them_and_the_newer_whole_one_counts(self):
+        part = self.file("part")
+        os.truncate(part, disk.SETTINGS.size)
+        records.put(part, "settings", b'{"name": "front"}')
+        records.put(part, "calibration", bytes(100_000))
+        with open(part, "r+b") as file:
+            self.assertEqual(records.newest(file, "settings"), (1, b'{"name": "front"}'))
+            self.assertEqual([records.read(file, area, "calibration").data for area in range(2)], [bytes(100_000)] * 2)
+            self.assertIsNone(records.newest(file, "keys"))
+            file.seek(records.AREAS[1])
+            file.write(records.record("settings", b"new", 2))
+            self.assertEqual(records.newest(file, "settings"), (2, b"new"))
+            file.seek(records.AREAS[1] + records.HEAD_BYTES)
+            file.write(b"?")
+            self.assertEqual(records.newest(file, "settings").generation, 1)
+        self.assertGreaterEqual(records.AREAS[1] - records.AREAS[0] - sum(records.SIZES.values()), 4 * disk.MIB)
+        self.assertGreaterEqual(records.AREAS[0], disk.SEED_AT + 4 * disk.MIB)
+        with self.assertRaisesRegex(disk.DiskError, "are the most"):
+            records.record("trial", bytes(records.SMALL))
 
 
 class CommandLine(InFolder):

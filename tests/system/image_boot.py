@@ -7,8 +7,8 @@ and command line of that slot. Frames must be those of their edges, bit by bit, 
 """
 
 import argparse
-import configparser
 import contextlib
+import gzip
 import os
 import pathlib
 import re
@@ -19,6 +19,7 @@ import subprocess
 import sys
 import time
 
+import boot_rom
 import checks
 import initramfs
 import machine
@@ -26,6 +27,7 @@ import rig as system_rig
 
 ROOT = initramfs.ROOT
 sys.path.insert(0, str(ROOT / "scripts" / "imaging"))
+import cpio  # noqa: E402
 import disk  # noqa: E402
 import recipe  # noqa: E402
 
@@ -39,17 +41,22 @@ NAME = "front sensor"
 # How a slot is asked for, and how the sensor gets its address there.
 STARTS = (("a", "all", "dhcp"), ("b", "tryboot", "10.0.2.15/24"))
 
+STATIC, BY_DHCP = "192.168.7.2/24", "10.0.2.15/24"  # the latter is what QEMU gives
+LISTENS = "0A"  # state of a TCP socket in /proc/net
+# Half a minute after the start, when stofd listens and the address has come.
+PROBE = """{
+  usleep 30000000
+  tell() { while read -r line; do echo "PROBE $1 $line"; done <"/proc/$2"; }
+  tell mount mounts
+  ip -4 addr show dev eth0 >/run/addresses
+  tell address ../run/addresses
+  for name in udp udp6 tcp tcp6 raw raw6; do [ ! -r /proc/net/$name ] || tell $name net/$name; done
+  echo "PROBE end"
+} >/dev/console &
+"""
+
 # A card that lacks something, and what its console says of it.
 LACKING = (("no_calibration", "no calibration on the settings partition"), ("no_settings", "no settings partition"))
-
-
-def chosen(image, section):
-    """The slot that autoboot.txt of the image names, for a usual start (all) or for one on trial (tryboot)."""
-    text = disk.read_fat(image, disk.BOOT, "autoboot.txt").decode()
-    parser = configparser.ConfigParser()
-    parser.read_string(text)
-    number = parser.getint(section, "boot_partition")
-    return {disk.PARTITIONS.index(part) + 1: slot for slot, part in disk.SLOTS.items()}[number]
 
 
 def processor_s():
@@ -80,26 +87,15 @@ def flashed(image, card, port, address, *more):
         file.truncate(disk.SIZE)
     words = ["--to", f"{system_rig.HOST}:{port}", *system_rig.RIG_OPTIONS]
     done = subprocess.run([ROOT / "scripts" / "flash", image, card, "--yes", "--name", NAME, "--address",
-                           address, *more, *(f"--option={word}" for word in words)], check=True, text=True,
+                           address, *(f"--option={word}" for word in words), *more], check=True, text=True,
                           stdout=subprocess.PIPE)
     return done.stdout
 
 
-def seed_of(card, folder):
-    """The random seed of the next start; the machine was cut off, so that the journal counts."""
-    part = folder / "settings"
-    part.write_bytes(card[disk.SETTINGS.begin:])
-    subprocess.run([disk.tool("e2fsck"), "-y", "-E", "journal_only", part], stdout=subprocess.DEVNULL,
-                   stderr=subprocess.DEVNULL, check=False)  # 1: it has mended something, which is what it is for
-    return disk.read_ext4(part, "seed")
-
-
-def loaded(card, slot, folder):
-    """What a boot loader reads of a slot: files of kernel and initramfs, the command line."""
-    files = [folder / name for name in ("kernel8.img", "initramfs")]
-    for file in files:
-        file.write_bytes(disk.read_fat(card, disk.SLOTS[slot], file.name))
-    return files, disk.read_fat(card, disk.SLOTS[slot], "cmdline.txt").decode().strip()
+def seed_of(card):
+    """The random seed of the next start."""
+    begin = disk.SETTINGS.begin + disk.SEED_AT
+    return card[begin:begin + disk.SEED_BYTES]
 
 
 def gives_no_depth(scene, image, work, report, name, said):
@@ -113,11 +109,58 @@ def gives_no_depth(scene, image, work, report, name, said):
         with open(card, "r+b") as file:
             file.seek(disk.SETTINGS.begin)
             file.write(bytes(disk.SETTINGS.size))
-    boot, words = loaded(card, "a", folder)
+    boot, words = boot_rom.loaded(card, "a", folder)
     with system_rig.Rig(scene, None, folder, boot=boot, port=port, command_line=words, drive=card) as rig:
         rig.machine.console.plain(said)
         rig.machine.console.plain("stofd ended with 2")
         report.none(f"{name}: frames", rig.receiver.count())
+
+
+def documented_ports():
+    """{(protocol, port)} of the table in docs/HARDWARE.md."""
+    text = (ROOT / "docs" / "HARDWARE.md").read_text()
+    return set(re.findall(r"^\| (UDP|TCP) (\d+) \|", text[text.index("## What listens"):], re.MULTILINE))
+
+
+def with_probe(initramfs_file):
+    """The initramfs with an init that tells on the console what is mounted and what listens; all else is the image's."""
+    text = (ROOT / "board" / "image" / "init").read_text()
+    place = 'say "slot $slot'
+    checks.check(text.count(place) == 1, "board/image/init begins otherwise")
+    archive = cpio.Archive()
+    archive.file("init", text.replace(place, PROBE + place).encode(), 0o755)
+    data = initramfs_file.read_bytes()
+    initramfs_file.write_bytes(data + bytes(-len(data) % 4) + gzip.compress(archive.bytes(), mtime=0))
+
+
+def nothing_more_is_open(scene, image, work, report):
+    """What the guest has mounted to be written, and which ports are open: the documented ones."""
+    folder = work / "open"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    card = folder / "card.img"
+    flashed(image, card, machine.free_udp_port(), "dhcp", "--address", STATIC, "--calibration", scene.calibration,
+            "--option=--set", "--option=discovery.mdns=true")
+    boot, words = boot_rom.loaded(card, "a", folder)
+    with_probe(boot[1])
+    with machine.Machine(*boot, command_line=words, drive=card, log=folder / "console.log") as guest:
+        guest.go()
+        guest.console.plain("listening at UDP port", timeout=120)
+        guest.console.plain("PROBE end", timeout=120)
+        told = [line.split()[1:] for line in guest.console.other if line.startswith("PROBE ")]
+    addresses = [words[1] for kind, *words in told if kind == "address" and words[0] == "inet"]
+    report.figure("addresses", sorted(addresses), "by DHCP and the one that was named", sorted(addresses) == sorted((BY_DHCP, STATIC)))
+    mounts = [words for kind, *words in told if kind == "mount"]
+    checks.check(any(words[0] == "/dev/vda4" for words in mounts), "the probe saw no settings partition")
+    writable = [words[1] for words in mounts if words[0].startswith("/dev/") and "rw" in words[3].split(",")]
+    report.figure("partitions mounted to be written", writable, "none", not writable)
+    ports = set()
+    for kind, *words in told:
+        if kind in ("udp", "udp6", "tcp", "tcp6") and words[0] != "sl" and (kind.startswith("udp") or words[3] == LISTENS):
+            ports.add((kind[:3].upper(), str(int(words[1].rpartition(":")[2], 16))))
+        checks.check(kind not in ("raw", "raw6") or words[0] == "sl", f"a raw socket is open: {words}")
+    wanted = documented_ports()
+    report.figure("open ports", sorted(ports), sorted(wanted), ports == wanted)
 
 
 def slot_starts(scene, image, work, report, slot, section, address):
@@ -127,9 +170,9 @@ def slot_starts(scene, image, work, report, slot, section, address):
     port, card = machine.free_udp_port(), folder / "card.img"
     said = flashed(image, card, port, address, "--calibration", scene.calibration)
     checks.check(re.search(r"^([0-9a-f]{4}-){7}[0-9a-f]{4}$", said, re.MULTILINE) is not None, "flash told no code")
-    found = chosen(card, section)
+    found = boot_rom.chosen(card, section)
     report.figure(f"slot of a start by [{section}]", found, slot, found == slot)
-    boot, words = loaded(card, found, folder)
+    boot, words = boot_rom.loaded(card, found, folder)
     before = card.read_bytes()
     with system_rig.Rig(scene, None, folder, boot=boot, port=port, command_line=words, drive=card) as rig:
         try:
@@ -157,8 +200,8 @@ def slot_starts(scene, image, work, report, slot, section, address):
     same = all(before[p.begin:p.begin + p.size] == after[p.begin:p.begin + p.size] for p in kept)
     report.figure(f"slot {slot}: what is not written after it ran", "unchanged" if same else "changed", "unchanged",
                   same and before[:disk.BOOT.begin] == after[:disk.BOOT.begin])
-    seeds = [seed_of(card, folder) for card in (before, after)]
-    checks.check(len(seeds[1]) == 32 and seeds[0] != seeds[1], "the next start has the same random seed")
+    seeds = [seed_of(card) for card in (before, after)]
+    checks.check(any(seeds[1]) and seeds[0] != seeds[1], "the next start has the same random seed")
 
 
 def pi_image(work, report, board):
@@ -193,13 +236,20 @@ def run(options):
     report = checks.Report()
     scene = system_rig.Scene(options.programs, work.parent / "scenes")
     images = []
+
+    def case(name, function, *arguments):
+        if not options.case or name in options.case:
+            report.run(name, function, *arguments)
+
     report.run("built", lambda: images.append(built(work, report)))
-    for slot, section, address in STARTS if images else ():
-        report.run(f"slot_{slot}", slot_starts, scene, images[0], work, report, slot, section, address)
-    for name, said in LACKING if images else ():
-        report.run(name, gives_no_depth, scene, images[0], work, report, name, said)
+    for image in images:
+        for slot, section, address in STARTS:
+            case(f"slot_{slot}", slot_starts, scene, image, work, report, slot, section, address)
+        case("open", nothing_more_is_open, scene, image, work, report)
+        for name, said in LACKING:
+            case(name, gives_no_depth, scene, image, work, report, name, said)
     for board in ("rpi4", "rpi5"):
-        report.run(f"image_{board}", pi_image, work, report, board)
+        case(f"image_{board}", pi_image, work, report, board)
     print(f"{report.passed} passed, {report.failed} failed")
     return 1 if report.failed or not report.passed else 0
 
@@ -208,6 +258,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--programs", default=ROOT / "build/emu/bin", help="this machine's stofd and test programs")
     parser.add_argument("--work", default=ROOT / "build/system/image")
+    parser.add_argument("--case", action="append", help="only these: slot_a, slot_b, open, no_calibration, no_settings, image_rpi4, image_rpi5")
     options = parser.parse_args()
     with contextlib.suppress(PermissionError):
         os.nice(-10)

@@ -196,18 +196,20 @@ class Console:
 class Machine:
     """QEMU's virt board. usb: names of usb-redir sockets, `Machine.path(name)`.
 
-    guest_port: a UDP port of the guest that `Machine.port` leads to. watchdog: what it does when nobody kicks it, as
+    guest_port: a UDP port of the guest that `Machine.port` leads to, which is host_port where one is named. watchdog: what it does when nobody kicks it, as
     -watchdog-action; None: there is none. icount: options of virtual time (never sleep=off together with devices that
     the host drives: time runs away while the guest waits). command_line: the kernel's, in place of that of this folder's
-    guest. drive: a disk that the guest has, a file.
+    guest. drive: a disk that the guest has, a file; drive_log gets every write
+    of it, in their order (block_log.py).
     """
 
     def __init__(self, image, initramfs, *, append="", usb=(), guest_port=7560, serial=True, watchdog="none",
-                 icount=None, processors=2, memory="512", reboot=False, log=None, command_line=None, drive=None):
+                 icount=None, processors=2, memory="512", reboot=False, log=None, command_line=None, drive=None,
+                 host_port=None, drive_log=None):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="stof-"))
         self.log = pathlib.Path(log) if log else self.folder / "console.log"
         self.log.write_bytes(b"")
-        self.port = free_udp_port() if guest_port else 0
+        self.port = host_port or (free_udp_port() if guest_port else 0)
         self.process = None
         self.sockets = []
         try:
@@ -215,7 +217,7 @@ class Machine:
             command = self._command(image, initramfs, words, usb, guest_port, serial, watchdog, icount, processors,
                                     memory, reboot)
             if drive:
-                command += ["-drive", f"if=none,id=disk,format=raw,file={drive}", "-device", "virtio-blk-pci,drive=disk"]
+                command += [*self._disk(drive, drive_log), "-device", "virtio-blk-pci,drive=disk"]
             self._start(command)
         except BaseException:
             self.close()
@@ -223,6 +225,15 @@ class Machine:
 
     def path(self, name):
         return self.folder / name
+
+    @staticmethod
+    def _disk(drive, log):
+        if log is None:
+            return ["-drive", f"if=none,id=disk,format=raw,file={drive}"]
+        pathlib.Path(log).write_bytes(b"")
+        return ["-blockdev", f"driver=file,node-name=card,filename={drive}",
+                "-blockdev", f"driver=file,node-name=log,filename={log}",
+                "-blockdev", "driver=blklogwrites,node-name=disk,file=card,log=log,log-sector-size=512"]
 
     def _command(self, image, initramfs, words, usb, guest_port, serial, watchdog, icount, processors, memory, reboot):
         def server(name):
@@ -292,6 +303,14 @@ class Machine:
                 answer.append(text)
         except OSError as error:
             raise MachineError(f"the guest does not answer to {line}: {error}") from error
+
+    def wait(self, timeout):
+        """Until it has ended by itself, which a restart does, too (unless `reboot`)."""
+        try:
+            self.process.wait(timeout)
+        except subprocess.TimeoutExpired:
+            raise MachineError(f"the machine did not restart in {timeout} s; last:\n" +
+                               "\n".join(self.console.other[-8:])) from None
 
     def serial(self):
         """The host's end of the guest's /dev/ttyS0: a connected socket."""

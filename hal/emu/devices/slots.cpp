@@ -10,6 +10,10 @@ Status Slots::read(DiskPart part, std::size_t offset, std::span<std::byte> to) n
     return Status::kInvalidArgument;
   }
   std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(offset), to.size(), to.begin());
+  if (worn_byte && part == DiskPart::kSlotB && *worn_byte >= offset &&
+      *worn_byte - offset < to.size()) {
+    to[*worn_byte - offset] ^= std::byte{1};
+  }
   return Status::kOk;
 }
 

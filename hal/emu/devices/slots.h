@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "hal/slots.h"
@@ -34,6 +35,8 @@ class Slots final : public hal::Slots {
   int delay = 0;
   // The medium takes no more after so many writes; below 0: it takes all.
   int breaks_after = -1;
+  // A worn medium: what it takes into this byte of slot B, it gives back with a bit turned over.
+  std::optional<std::size_t> worn_byte{};
 
  private:
   const std::vector<std::byte>& of(DiskPart part) const noexcept {

@@ -1,43 +1,19 @@
 #include "hal/linux/system/file_slots.h"
 
-#include <cerrno>
 #include <utility>
 
 #include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
+
+#include "hal/linux/system/disk_calls.h"
 
 namespace stof::hal::linux {
 namespace {
 
 constexpr std::size_t kDiskSector = 512;
 
-// Bytes of a file or a block device.
-Result<std::size_t> bytes_of_disk(int fd) noexcept {
-  struct stat found{};
-  if (::fstat(fd, &found) != 0) {
-    return fail(Status::kDeviceError);
-  }
-  if (!S_ISREG(found.st_mode) && !S_ISBLK(found.st_mode)) {
-    return fail(Status::kUnsupported);
-  }
-  const off_t end = ::lseek(fd, 0, SEEK_END);
-  return end > 0 && static_cast<std::size_t>(end) % kDiskSector == 0
-             ? Result<std::size_t>(static_cast<std::size_t>(end))
-             : fail(Status::kDeviceError);
-}
-
 Status write_and_flush(int fd, std::size_t offset, std::span<const std::byte> bytes) noexcept {
-  while (!bytes.empty()) {
-    const ssize_t written = ::pwrite(fd, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (written > 0) {
-      bytes = bytes.subspan(static_cast<std::size_t>(written));
-      offset += static_cast<std::size_t>(written);
-    } else if (written == 0 || errno != EINTR) {
-      return Status::kDeviceError;
-    }
-  }
-  return ::fdatasync(fd) == 0 ? Status::kOk : Status::kDeviceError;
+  const Status written = write_disk(fd, offset, bytes);
+  return written == Status::kOk ? flush_disk(fd) : written;
 }
 
 }  // namespace
@@ -51,8 +27,8 @@ Result<std::unique_ptr<FileSlots>> FileSlots::open(const std::string& prefix) {
       return fail(Status::kDeviceError);
     }
     const Result<std::size_t> bytes = bytes_of_disk(parts[i].file.get());
-    if (!bytes) {
-      return fail(bytes.error());
+    if (!bytes || *bytes % kDiskSector != 0) {
+      return fail(bytes ? Status::kDeviceError : bytes.error());
     }
     parts[i].bytes = *bytes;
   }
@@ -92,16 +68,8 @@ Status FileSlots::read(DiskPart part, std::size_t offset, std::span<std::byte> t
   if (offset > from.bytes || to.size() > from.bytes - offset) {
     return Status::kInvalidArgument;
   }
-  while (!to.empty()) {
-    const ssize_t got = ::pread(from.file.get(), to.data(), to.size(), static_cast<off_t>(offset));
-    if (got > 0) {
-      to = to.subspan(static_cast<std::size_t>(got));
-      offset += static_cast<std::size_t>(got);
-    } else if (got == 0 || errno != EINTR) {
-      return Status::kDeviceError;
-    }
-  }
-  return Status::kOk;
+  forget_disk(from.file.get(), offset, to.size());
+  return read_disk(from.file.get(), offset, to);
 }
 
 void FileSlots::write(DiskPart part, std::size_t offset,

@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -14,9 +16,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "firmware/records/record_disk.h"
 #include "firmware/wire/messages/conditions.h"
 #include "firmware/wire/messages/health.h"
 #include "firmware/wire/packet.h"
+#include "hal/linux/system/file_disk.h"
 #include "posix/udp_socket.h"
 #include "tests/firmware/program/stofd_process.h"
 
@@ -95,6 +99,29 @@ TEST_F(StofdStart, NothingThatWasSavedKeepsItFromStarting) {
                   told.starts_with("256") ? std::vector<std::string>{"--disparities", "0"}
                                           : std::vector<std::string>{});
   }
+}
+
+// The image keeps everything there.
+TEST_F(StofdStart, SettingsAndKeysAreKeptOnAPartitionWithoutFiles) {
+  using records::Document;
+  write("disk", "");
+  fs::resize_file(dir_ / "disk", records::kRecordsBytes);
+  const auto disk = hal::linux::FileDisk::open(path("disk"));
+  ASSERT_TRUE(disk);
+  records::RecordDisk records(**disk);
+  const auto bytes = [](std::string_view text) { return std::as_bytes(std::span(text)); };
+  ASSERT_EQ(records.save(Document::kSettings, bytes("{")), Status::kOk);
+  ASSERT_EQ(records.save(Document::kKeys, bytes("no keys")), Status::kOk);
+  const Ended ended =
+      run_stofd(small({"--records", path("disk"), "--frames", "2", "--free-run"}), true);
+  EXPECT_EQ(ended.code, 0) << ended.error;
+  for (const char* const told : {"disk: not JSON", "no key file, or damaged", "2 frames"}) {
+    EXPECT_NE(ended.out.find(told), std::string::npos) << told << ": " << ended.out;
+  }
+  std::array<std::byte, 16> space{};
+  EXPECT_EQ(records.load(Document::kSettings, space).value(), std::nullopt);
+  EXPECT_EQ(records.load(Document::kDamagedSettings, space).value(), 1);
+  EXPECT_EQ(entries(), std::vector<std::string>{"disk"});
 }
 
 TEST_F(StofdStart, APortThatIsTakenIsReplaced) {

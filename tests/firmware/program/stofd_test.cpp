@@ -116,6 +116,8 @@ TEST_F(StofdTest, BadFlagsEndInOneLineAndCodeTwo) {
   expect_refused({"--slot", "c"}, "--slot takes a or b");
   expect_refused({"--which-slot", "both"}, "--which-slot takes usual or trial");
   expect_refused({"--slots", "/nowhere/card", "--which-slot", "usual"}, "/nowhere/card1 to 3");
+  expect_refused({"--records", "/dev/null"}, "--records takes a partition of 12 MiB");
+  expect_refused({"--records", "/nowhere", "--keys", "/nowhere/keys"}, "leave them out");
   expect_refused({"--update-keys", "/dev/null"}, "64 hexadecimal digits");
   expect_refused({"--preset", "best"}, "fast or quality, or chapter");
   expect_refused({"--method", "sa"}, "--method");

@@ -140,6 +140,21 @@ TEST_F(UpdaterTest, ACardThatTakesNoMoreIsToldAndTheRunningReleaseStays) {
   }
 }
 
+TEST_F(UpdaterTest, ACardThatGivesOtherBytesBackIsToldAndItsSlotIsNotTried) {
+  for (const std::size_t byte : {std::size_t{0}, kChunkBytes - 1, kChunkBytes, new_.size() - 1}) {
+    hal::emu::Slots slots(test::disk_of(a_, b_));
+    slots.worn_byte = byte;
+    Updater updater(test::setup_of(slots, Slot::kA));
+    EXPECT_EQ(test::send(updater, test::update_file(new_), said_), SettingsResult::kNotSaved);
+    EXPECT_NE(said_.find("gives back other bytes"), std::string::npos) << said_;
+    EXPECT_EQ(updater.versions().state, UploadState::kSettled);
+    EXPECT_EQ(test::revert(updater, said_), SettingsResult::kNotSaved);
+    EXPECT_NE(said_.find("no whole release"), std::string::npos) << said_;
+    slots.worn_byte.reset();  // another try
+    EXPECT_EQ(test::send(updater, test::update_file(new_), said_), SettingsResult::kOk) << said_;
+  }
+}
+
 TEST_F(UpdaterTest, AnUpdateWhileATrialRunsIsRefused) {
   Updater updater(test::setup_of(slots_, Slot::kA));
   ASSERT_EQ(test::send(updater, test::update_file(new_), said_), SettingsResult::kOk);
@@ -160,11 +175,14 @@ TEST_F(UpdaterTest, WhereNoSlotCanBeTriedALineSaysWhy) {
   };
   UpdaterSetup no_try = test::setup_of(slots_, Slot::kA);
   no_try.can_try = false;
+  UpdaterSetup old_loader = test::setup_of(slots_, Slot::kA);
+  old_loader.old_loader = true;
   UpdaterSetup no_key = test::setup_of(slots_, Slot::kA);
   no_key.keys = {};
   hal::emu::Slots without(test::disk_of(a_, b_));
   without.disk()[0].assign(4096, std::byte{0});
   for (const Case& c : {Case{no_try, "kernel cannot start the other slot"},
+                        {old_loader, "EEPROM is too old"},
                         {no_key, "maker's key"},
                         {test::setup_of(without, Slot::kA), "autoboot.txt"},
                         {{.board = "virt"}, "no image of scripts/image"}}) {

@@ -235,11 +235,37 @@ TEST_F(UploadServerTest, AKeyThatWasEndedHoldsUpNobody) {
   EXPECT_EQ(begin(file_).fields.wanted, 0);
 }
 
-TEST_F(UploadServerTest, AnAbandonedUploadExpires) {
+TEST_F(UploadServerTest, AnAbandonedUploadGoesOnUntilAnotherOneIsBegun) {
+  begin(file_);
+  chunk(file_, 0, 960);
+  now_ += 24h;
+  EXPECT_EQ(begin(file_).fields.wanted, 960);
+  send_rest(file_);
+  now_ += 24h;
+  EXPECT_EQ(begin(file_).fields.wanted, file_.size());  // all had come, and nobody committed it
+  EXPECT_EQ(shelf_.begins, 1);
+}
+
+TEST_F(UploadServerTest, AnotherUploadTakesThePlaceOfAnAbandonedOne) {
   begin(file_);
   chunk(file_, 0, 960);
   now_ += UploadServer::kPatience + 1ns;
+  key_ = 6;
   EXPECT_EQ(begin(file_).fields.wanted, 0);
+  now_ += UploadServer::kPatience + 1ns;
+  key_ = 5;
+  EXPECT_EQ(begin(file_).fields.wanted, 0);
+  EXPECT_EQ(shelf_.begins, 3);
+}
+
+TEST_F(UploadServerTest, HowOneEndedIsForgottenAfterHalfAMinute) {
+  begin(file_);
+  send_rest(file_);
+  EXPECT_EQ(commit(file_).result, SettingsResult::kOk);
+  EXPECT_EQ(commit(file_).result, SettingsResult::kOk);  // an answer that was lost
+  EXPECT_EQ(shelf_.commits, 1);
+  now_ += UploadServer::kPatience + 1ns;
+  EXPECT_EQ(commit(file_).fields.wanted, 0);  // begins it
   EXPECT_EQ(shelf_.begins, 2);
 }
 

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/records/record_disk.h"
+#include "tests/support/random.h"
+
+namespace stof::records::test {
+
+using Bytes = std::vector<std::byte>;
+
+inline Bytes bytes_of(std::size_t count, std::uint64_t seed) {
+  stof::test::Random random(seed);
+  Bytes bytes(count);
+  for (std::byte& byte : bytes) {
+    byte = static_cast<std::byte>(random.next() & 0xFFU);
+  }
+  return bytes;
+}
+
+inline constexpr std::size_t kMostTested = 32'000;  // bytes of a document here
+
+inline Bytes empty_disk() { return Bytes(kRecordsBytes); }
+
+// None: there is none. An error is an empty `optional` with `lost`.
+struct Read {
+  std::optional<Bytes> bytes{};
+  bool lost = false;
+
+  friend bool operator==(const Read&, const Read&) = default;
+};
+
+inline Read read(RecordDisk& disk, Document document) {
+  Bytes space(std::min(most_bytes(document), kMostTested));
+  const auto loaded = disk.load(document, space);
+  if (!loaded) {
+    return {.bytes = {}, .lost = true};
+  }
+  if (!*loaded) {
+    return {};
+  }
+  space.resize(**loaded);
+  return {.bytes = space};
+}
+
+// What a sensor knows of all its documents.
+using All = std::array<Read, kDocuments>;
+
+inline All read_all(RecordDisk& disk) {
+  All all;
+  for (std::size_t i = 0; i < kDocuments; ++i) {
+    all[i] = read(disk, static_cast<Document>(i));
+  }
+  return all;
+}
+
+}  // namespace stof::records::test
