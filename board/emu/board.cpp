@@ -7,6 +7,7 @@
 
 #include "board/devices/connections.h"
 #include "board/emu/emu_options.h"
+#include "board/emu/fault_orders.h"
 #include "board/emu/recorded_rig.h"
 #include "board/emu/scenes.h"
 #include "dataset/dataset.h"
@@ -19,6 +20,7 @@
 #include "hal/linux/system/file_disk.h"
 #include "hal/linux/system/file_slots.h"
 #include "hal/linux/system/file_store.h"
+#include "hal/linux/system/local_orders.h"
 #include "hal/linux/system/realtime.h"
 #include "hal/linux/system/signal_button.h"
 
@@ -119,6 +121,7 @@ emu::StereoTiming stereo_timing() { return {.exposure = kConfig.timing.stereo_ex
 // something.
 struct Rig {
   World world;
+  FaultOrders orders;
   OpenConnections connections;
   emu::Clock emulated_clock;
   hal::linux::Clock machine_clock;
@@ -128,23 +131,26 @@ struct Rig {
   std::optional<emu::Trigger> trigger;
   hal::linux::SignalButton button;
   std::optional<Board> board;
+  std::optional<hal::linux::LocalOrders> order_socket;  // last: its thread uses the orders
 
   Rig(World&& seen, OpenConnections&& opened, const EmuOptions& options)
       : world(std::move(seen)),
+        orders(world.imagery->pmd_size() != emu::Size{}),
         connections(std::move(opened)),
         clock(options.free_run ? static_cast<hal::Clock&>(emulated_clock) : machine_clock),
-        stereo(clock, *world.imagery, stereo_timing(), options.faults_of(Device::kStereo)) {
+        stereo(clock, *world.imagery, stereo_timing(), options.faults_of(Device::kStereo),
+               &orders.of(Device::kStereo)) {
     constexpr hal::Duration kPulse = std::chrono::microseconds(50);
     if (world.imagery->pmd_size() != emu::Size{}) {
       pmd.emplace(clock, *world.imagery,
                   emu::PmdTiming{.integration = kConfig.timing.pmd_integration,
                                  .every = kConfig.timing.pmd_every},
-                  options.faults_of(Device::kPmd));
+                  options.faults_of(Device::kPmd), &orders.of(Device::kPmd));
       trigger.emplace(clock, kPulse, std::initializer_list<emu::EdgeListener*>{&stereo, &*pmd},
-                      options.faults_of(Device::kTrigger));
+                      options.faults_of(Device::kTrigger), &orders.of(Device::kTrigger));
     } else {
       trigger.emplace(clock, kPulse, std::initializer_list<emu::EdgeListener*>{&stereo},
-                      options.faults_of(Device::kTrigger));
+                      options.faults_of(Device::kTrigger), &orders.of(Device::kTrigger));
     }
     board.emplace(Board{.clock = clock,
                         .trigger = *trigger,
@@ -233,6 +239,14 @@ std::expected<Board*, Refusal> open(const Connections& connections,
     }
   }
   rig.emplace(std::move(*world), std::move(*talks), *options);
+  if (!options->fault_socket.empty()) {
+    auto socket = hal::linux::LocalOrders::open(
+        options->fault_socket, [](std::string_view order) { return rig->orders.obey(order); });
+    if (!socket) {
+      return refuse("--fault-socket: " + socket.error());
+    }
+    rig->order_socket.emplace(std::move(*socket));
+  }
   return &*rig->board;
 }
 

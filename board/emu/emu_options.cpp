@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "board/emu/fault_orders.h"
 #include "dsp/base/parse_number.h"
 
 namespace stof::board {
@@ -10,23 +11,8 @@ namespace {
 
 namespace emu = hal::emu;
 
-constexpr std::array<std::string_view, kDeviceCount> kDeviceNames{"trigger", "stereo", "pmd"};
-constexpr std::array<std::string_view, 10> kFaultNames{
-    "none", "drop", "delay", "repeat", "tear", "corrupt", "vanish", "freeze", "dark", "hang"};
-
 std::unexpected<Refusal> refuse(std::string message) {
   return std::unexpected(Refusal{std::move(message)});
-}
-
-template <std::size_t N>
-std::optional<std::size_t> find(const std::array<std::string_view, N>& names,
-                                std::string_view name) {
-  for (std::size_t i = 0; i < N; ++i) {
-    if (names[i] == name) {
-      return i;
-    }
-  }
-  return std::nullopt;
 }
 
 // N or N+CALLS.
@@ -56,16 +42,16 @@ bool parse_fault(std::string_view text, std::array<emu::FaultPlan, kDeviceCount>
     parts[count] = text.substr(begin, end - begin);
     begin = end + 1;
   }
-  const auto device = find(kDeviceNames, parts[0]);
-  const auto kind = find(kFaultNames, parts[1]);
+  const std::optional<Device> device = device_named(parts[0]);
+  const std::optional<emu::FaultKind> kind = fault_named(parts[1]);
   const auto every = count > 3 ? dsp::parse_number<std::uint32_t>(parts[3]) : std::optional(0U);
-  emu::Fault fault{.duration = std::chrono::milliseconds(25)};
+  emu::Fault fault{.duration = emu::kUsualFaultDuration};
   if (count < 3 || !device || !kind || !every || !parse_calls(parts[2], fault)) {
     return false;
   }
-  fault.kind = static_cast<emu::FaultKind>(*kind);
+  fault.kind = *kind;
   fault.every = *every;
-  return plans[*device].add(fault);
+  return plans[static_cast<std::size_t>(*device)].add(fault);
 }
 
 bool take_switch(std::string_view flag, EmuOptions& options) {
@@ -88,6 +74,8 @@ bool take_value(std::string_view flag, std::string_view value, EmuOptions& optio
     options.truth = value;
   } else if (flag == "--replay") {
     options.replay = value;
+  } else if (flag == "--fault-socket") {
+    options.fault_socket = value;
   } else {
     return false;
   }
@@ -98,6 +86,7 @@ bool take_value(std::string_view flag, std::string_view value, EmuOptions& optio
 std::string contradiction(const EmuOptions& options, const std::string& scene_flag) {
   const bool sees =
       !scene_flag.empty() || options.dataset || options.no_tof || options.truth ||
+      !options.fault_socket.empty() ||
       std::ranges::any_of(options.faults, [](const emu::FaultPlan& plan) { return !plan.empty(); });
   if (options.replay && sees) {
     return "--replay: what the cameras saw is in the recording: leave scene, dataset and faults "
@@ -210,7 +199,11 @@ std::string_view usage() noexcept {
       "                       vanish, freeze (old pixels: of the right picture, of all samples), "
       "dark (no lamp),\n"
       "                       hang (freeze, until it is opened again);\n"
-      "                       up to eight of a device\n";
+      "                       up to eight of a device\n"
+      "  --fault-socket PATH  take faults while it runs (stof fault PATH pmd:vanish:30), of "
+      "programs "
+      "of this user\n"
+      "                       alone: a socket at PATH\n";
   static const std::string text = [] {
     std::string all(scene_usage());
     all += kRest;

@@ -23,6 +23,7 @@ struct EmuOptions {
   std::optional<std::filesystem::path> truth;
   std::optional<std::filesystem::path> replay;  // recording whose raw pictures are computed again
   bool free_run = false;
+  std::string fault_socket{};  // where FaultOrders are taken; empty: nowhere
   std::array<hal::emu::FaultPlan, kDeviceCount> faults;
 
   const hal::emu::FaultPlan& faults_of(Device device) const {

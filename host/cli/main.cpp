@@ -18,6 +18,7 @@
 #include "host/cli/evaluate/evaluate_sequence.h"
 #include "host/cli/evaluate/evaluate_stereo.h"
 #include "host/cli/failure.h"
+#include "host/cli/fault.h"
 #include "host/cli/finite_numbers.h"
 #include "host/cli/help_text.h"
 #include "host/cli/output.h"
@@ -67,6 +68,7 @@ struct Commands {
   CalibRigOptions calib_rig;
   ConfigOptions config;
   DiscoverCommand discover;
+  FaultOptions fault;
   PairOptions pair;
   UnpairOptions unpair;
   UpdateOptions update;
@@ -130,6 +132,7 @@ void add_view(CLI::App& app, ViewOptions& options) {
   view_command.add_option("--far", options.scale.far_m, "Distance of the coldest colour, metres")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
+  options.page.program = kVersion;
   add_page_flags(view_command, options.page);
   add_raw_flags(view_command, options);
   view_command.callback([&options] {
@@ -163,6 +166,7 @@ int run(int argc, char** argv) {
   add_calib(app, commands.calib_pmd, commands.calib_install, commands.calib_rig);
   add_config(app, commands.config);
   add_discover(app, commands.discover);
+  add_fault(app, commands.fault);
   add_pair(app, commands.pair, commands.unpair);
   add_update(app, commands.update);
   add_completion(app, commands.completion);

@@ -85,6 +85,9 @@ struct Receiver::Parts {
         subscription->heard(now);
       }
       frame = reassembler.take(now);
+      if (frame) {
+        sender = socket->from(next - 1);
+      }
     }
     return frame;
   }
@@ -120,8 +123,9 @@ struct Receiver::Parts {
   std::uint32_t key_number = 0;  // of the stream key; 0: none yet
   std::uint32_t key_session = 0;
   Duration slept{time_asleep(Duration(0))};
-  std::size_t read = 0;  // datagrams in the socket's space
-  std::size_t next = 0;  // of these, to push
+  std::size_t read = 0;                        // datagrams in the socket's space
+  std::size_t next = 0;                        // of these, to push
+  std::optional<posix::SocketAddress> sender;  // of the newest frame that a packet ended
   mutable Statistics statistics;
 };
 
@@ -231,6 +235,10 @@ wire::SubscribeResult Receiver::raw_refusal() const noexcept {
 std::uint16_t Receiver::port() const noexcept { return parts_->socket->port(); }
 
 const std::string& Receiver::place() const noexcept { return parts_->socket->place(); }
+
+std::string Receiver::sender() const {
+  return parts_->sender ? parts_->sender->text() : std::string();
+}
 
 std::optional<Subscription::State> Receiver::subscription() const noexcept {
   return parts_->subscription ? std::optional(parts_->subscription->state()) : std::nullopt;

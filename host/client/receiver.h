@@ -78,6 +78,8 @@ class Receiver {
   std::uint16_t port() const noexcept;
   // Where the sensor is, or where this listens: "192.168.1.20:7560".
   const std::string& place() const noexcept;
+  // Who sent the packet that ended the newest frame, "192.168.1.20:7560"; empty: there was none.
+  std::string sender() const;
   // None: without a sensor to subscribe at.
   std::optional<Subscription::State> subscription() const noexcept;
   // As those of Subscription.

@@ -48,6 +48,8 @@ class SensorSocket {
   // are valid until the next call. kDeviceLost: the socket failed.
   Result<std::size_t> receive();
   std::span<const std::byte> datagram(std::size_t index) const { return batch_.datagram(index); }
+  // Who sent it.
+  const posix::SocketAddress& from(std::size_t index) const { return batch_.from(index); }
   // When it reached this machine; when it was read, where the system does not stamp arrivals.
   Time arrived(std::size_t index) const { return arrived_[index]; }
 

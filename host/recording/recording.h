@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <expected>
 #include <filesystem>
@@ -9,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "firmware/wire/messages/event.h"
-#include "firmware/wire/messages/health.h"
 #include "host/client/frame/frame.h"
+#include "host/recording/frame_assembler.h"
 #include "host/recording/mcap/progress.h"
 #include "host/recording/mcap/reader.h"
+#include "host/recording/recorded_frame.h"
 #include "host/recording/topics.h"
 
 // What a recorded file holds, whole or cut. Files of other programs are read, too, as far as MCAP
@@ -54,70 +53,28 @@ struct Summary {
 std::expected<Summary, Problem> summarise(const std::filesystem::path& file,
                                           const mcap::Progress& progress = {});
 
-// A frame of a recording. Images that were not recorded are empty.
-class RecordedFrame {
- public:
-  std::uint64_t log_time = 0;
-  wire::Origin origin{};
-  wire::FrameStamp stamp{};
-  std::optional<wire::FrameInfo> info{};
-  std::optional<wire::CalibrationPacket> calibration{};
-  std::uint32_t packets = 0;
-  std::uint32_t missing_packets = 0;
-  int width = 0;  // of depth
-  int height = 0;
-  std::vector<dsp::QuarterMm> depth{};
-  std::vector<dsp::QuarterMm> interval_width{};
-  std::vector<dsp::Source> source{};
-  std::vector<dsp::Cause> cause{};
-  std::vector<std::uint8_t> received{};
-  int left_width = 0;  // of both eyes
-  int left_height = 0;
-  std::vector<std::uint8_t> left{};
-  std::vector<std::uint8_t> right{};
-  std::vector<dsp::Disparity> disparity{};  // of the size of depth
-  int pmd_width = 0;                        // of a sample
-  int pmd_height = 0;
-  std::array<std::vector<std::uint16_t>, 4> pmd{};
-
-  // Views into this object: depth, width, source, cause and left as they were received.
-  client::Frame view() const;
-};
-
-struct Sights {                                                        // beside the frames
-  std::vector<std::pair<std::uint64_t, wire::HealthReport>> health{};  // with log time
-  std::vector<std::pair<std::uint64_t, wire::EventReport>> events{};
-};
-
 // Frame after frame of a recording, from the begin, also of a cut one.
 class FrameReader {
  public:
   static std::expected<FrameReader, Problem> open(const std::filesystem::path& file);
   // Nothing at the end. What is damaged is left out and counted.
   std::optional<RecordedFrame> next();
-  std::uint64_t damaged() const noexcept { return damaged_; }
+  std::uint64_t damaged() const noexcept { return damaged_ + frames_.damaged(); }
   std::uint64_t damaged_bytes() const noexcept { return reader_.damaged_bytes(); }
   // Bytes of the file that were read, of all.
   std::uint64_t position() const noexcept { return reader_.position(); }
   std::uint64_t size() const { return source_->size(); }
   // Of what was read so far.
-  const Sights& sights() const noexcept { return sights_; }
+  const Sights& sights() const noexcept { return frames_.sights(); }
 
  private:
   FrameReader(std::unique_ptr<mcap::FileSource> source, mcap::StreamReader&& reader)
       : source_(std::move(source)), reader_(std::move(reader)) {}
-  // The frame that this message ends, if it begins another one.
-  std::optional<RecordedFrame> take(Topic topic, const mcap::Message& message);
-  void take_picture(Topic topic, const Image& image);
-  void take_image(Topic topic, const Image& image);
-  void take_packet(Topic topic, const mcap::Message& message, const Packet& packet);
 
   std::unique_ptr<mcap::FileSource> source_;
   mcap::StreamReader reader_;
-  std::optional<RecordedFrame> frame_;  // that is being put together
-  std::optional<wire::CalibrationPacket> calibration_;
-  Sights sights_;
-  std::uint64_t damaged_ = 0;
+  FrameAssembler frames_;
+  std::uint64_t damaged_ = 0;  // records
 };
 
 }  // namespace stof::recording

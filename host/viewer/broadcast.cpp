@@ -1,9 +1,14 @@
 #include "host/viewer/broadcast.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
-#include <nlohmann/json.hpp>
+#include "firmware/wire/crypto/crypto.h"
+#include "host/viewer/page_message.h"
+#include "host/viewer/panel_messages.h"
+#include "host/viewer/rate_limit.h"
+#include "host/viewer/web_access.h"
 
 namespace stof::viewer {
 
@@ -11,7 +16,10 @@ namespace stof::viewer {
 // it on the way.
 class PageConversation : public Conversation {
  public:
-  explicit PageConversation(Broadcast& all) : all_(all) { all_.visited_ = true; }
+  PageConversation(Broadcast& all, std::string why_not) : all_(all), why_not_(std::move(why_not)) {
+    all_.visited_ = true;
+    mailbox_->put(rights_message(why_not_, why_not_.empty() ? ticket_ : ""));
+  }
   ~PageConversation() override {
     if (frames_ > 0) {
       --all_.waiting_;
@@ -24,17 +32,21 @@ class PageConversation : public Conversation {
   std::optional<MessageKind> next(std::vector<std::uint8_t>& bytes) override;
 
  private:
-  static constexpr int kMostFrames = 2;
-
   void allow(int frames);
+  bool serve(Request request);
 
   Broadcast& all_;
+  const std::string why_not_;
+  const std::string ticket_ = random_token();
+  const std::shared_ptr<Mailbox> mailbox_ = std::make_shared<Mailbox>();
+  // A seek bar that is dragged asks ten times a second.
+  RateLimit limit_{20, std::chrono::milliseconds(50)};
   bool greeted_ = false;
   bool quiet_ = false;
   Planes planes_ = 0;
   int frames_ = 0;  // that may still be sent
   std::uint64_t frame_ = 0;
-  std::uint64_t status_ = 0;
+  std::array<std::uint64_t, kTopics> topics_{};
   std::uint64_t event_ = 0;
 };
 
@@ -43,29 +55,41 @@ void PageConversation::allow(int frames) {
   frames_ = frames;
 }
 
-// {"show": ["depth"], "frames": 1, "quiet": false}: all three, and nothing else.
 bool PageConversation::take(std::string_view message) {
-  const nlohmann::json said = nlohmann::json::parse(message, nullptr, false);
-  if (!said.is_object() || said.size() != 3 || !said.contains("show") || !said["show"].is_array() ||
-      !said.contains("frames") || !said["frames"].is_number_unsigned() ||
-      said["frames"].get<std::uint64_t>() > kMostFrames || !said.contains("quiet") ||
-      !said["quiet"].is_boolean()) {
+  std::optional<PageMessage> said = parse_page_message(message);
+  if (!said) {
     return false;
   }
-  Planes planes = 0;
-  for (const nlohmann::json& one : said["show"]) {
-    const auto* const name = one.get_ptr<const std::string*>();
-    const std::optional<Plane> plane = name == nullptr ? std::nullopt : plane_named(*name);
-    if (!plane) {
-      return false;
-    }
-    planes |= *plane;
+  if (auto* const request = std::get_if<Request>(&*said)) {
+    return serve(std::move(*request));
   }
-  planes_ = planes;
-  quiet_ = said["quiet"].get<bool>();
-  allow(std::min(frames_ + said["frames"].get<int>(), kMostFrames));
-  if (planes == 0) {
-    allow(0);
+  const Look& look = std::get<Look>(*said);
+  planes_ = look.planes;
+  quiet_ = look.quiet;
+  allow(look.planes == 0 ? 0 : std::min(frames_ + look.frames, Look::kMostFrames));
+  return true;
+}
+
+// False: it asks for more than anybody can want.
+bool PageConversation::serve(Request request) {
+  const auto refuse = [&](const std::string& why) {
+    mailbox_->put(answer_message(request.id, false, why));
+  };
+  const bool knows_ticket = request.ticket.size() == ticket_.size() &&
+                            wire::equal_secrets(std::as_bytes(std::span(request.ticket)),
+                                                std::as_bytes(std::span(ticket_)));
+  // First of all: what is refused costs an answer, too.
+  if (!limit_.take(Broadcast::Clock::now())) {
+    return false;
+  }
+  if (!why_not_.empty()) {
+    refuse(why_not_);
+  } else if (!knows_ticket || !all_.serve_) {
+    refuse("this page was not asked: load it again");
+  } else if (!mailbox_->open_one()) {
+    refuse("the sensor has not answered what was asked before: wait a moment");
+  } else {
+    all_.serve_(std::move(request.wish), Answer(mailbox_, request.id, all_.wake_));
   }
   return true;
 }
@@ -82,9 +106,16 @@ std::optional<MessageKind> PageConversation::next(std::vector<std::uint8_t>& byt
     event_ = event->number;
     return text(event->json);
   }
-  if (const Broadcast::Text status = all_.newest_status(); status.number > status_ && !quiet_) {
-    status_ = status.number;
-    return text(status.json);
+  for (std::size_t i = 0; i < kTopics && !quiet_; ++i) {
+    if (const Broadcast::Text newest = all_.newest(static_cast<Topic>(i));
+        newest.number > topics_[i]) {
+      topics_[i] = newest.number;
+      return text(newest.json);
+    }
+  }
+  // Behind what is told to all: an answer is about that.
+  if (const std::optional<std::string> letter = mailbox_->take()) {
+    return text(*letter);
   }
   if (frames_ > 0) {
     const Broadcast::Newest newest = all_.newest_frame();
@@ -104,9 +135,10 @@ void Broadcast::show(FramePlanes frame) {
   frame_ = {.number = frame_.number + 1, .frame = std::move(shared), .shown = Clock::now()};
 }
 
-void Broadcast::tell_status(std::string json) {
+void Broadcast::tell(Topic topic, std::string json) {
   const std::scoped_lock lock(mutex_);
-  status_ = {.number = status_.number + 1, .json = std::move(json)};
+  Text& text = topics_[static_cast<std::size_t>(topic)];
+  text = {.number = text.number + 1, .json = std::move(json)};
 }
 
 void Broadcast::tell_event(std::string json) {
@@ -127,9 +159,9 @@ Broadcast::Newest Broadcast::newest_frame() const {
   return newest;
 }
 
-Broadcast::Text Broadcast::newest_status() const {
+Broadcast::Text Broadcast::newest(Topic topic) const {
   const std::scoped_lock lock(mutex_);
-  return status_;
+  return topics_[static_cast<std::size_t>(topic)];
 }
 
 std::optional<Broadcast::Text> Broadcast::event_after(std::uint64_t number) const {
@@ -139,8 +171,8 @@ std::optional<Broadcast::Text> Broadcast::event_after(std::uint64_t number) cons
   return at == events_.end() ? std::nullopt : std::optional(*at);
 }
 
-std::unique_ptr<Conversation> Broadcast::open_conversation() {
-  return std::make_unique<PageConversation>(*this);
+std::unique_ptr<Conversation> Broadcast::open_conversation(const std::string& why_not) {
+  return std::make_unique<PageConversation>(*this, why_not);
 }
 
 }  // namespace stof::viewer

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -11,11 +12,16 @@
 
 #include "host/viewer/conversation.h"
 #include "host/viewer/frame_message.h"
+#include "host/viewer/requests.h"
 
 namespace stof::viewer {
 
-// What all pages may see: the newest frame, the newest status, the last events. One thread tells,
-// another one's conversations ask.
+// What all pages are told of, the newest message of each alone.
+enum class Topic : std::uint8_t { kStatus, kSettings, kFaults, kRecording, kPlayback };
+inline constexpr std::size_t kTopics = 5;
+
+// What all pages may see: the newest frame, what is told of each topic, the last events. Some
+// threads tell, another one's conversations ask.
 class Broadcast {
  public:
   using Clock = std::chrono::steady_clock;
@@ -23,9 +29,15 @@ class Broadcast {
   // A frame that was shown longer ago is not sent: nothing old is served as new.
   static constexpr Clock::duration kMostAge = std::chrono::milliseconds(500);
 
-  // hello: JSON, the first message to each page.
-  explicit Broadcast(std::string hello, Clock::duration most_age = kMostAge)
-      : hello_(std::move(hello)), most_age_(most_age) {}
+  // hello: JSON, the first message to each page. serve: does what pages want; wake: they have a
+  // message, for any thread.
+  explicit Broadcast(
+      std::string hello, Clock::duration most_age = kMostAge, Serve serve = {},
+      std::function<void()> wake = [] {})
+      : hello_(std::move(hello)),
+        most_age_(most_age),
+        serve_(std::move(serve)),
+        wake_(std::move(wake)) {}
 
   // Whether a page waits for a frame: else none has to be copied.
   bool wanted() const noexcept { return waiting_ > 0; }
@@ -33,7 +45,7 @@ class Broadcast {
   bool visited() const noexcept { return visited_; }
 
   void show(FramePlanes frame);
-  void tell_status(std::string json);
+  void tell(Topic topic, std::string json);
   void tell_event(std::string json);
 
   // Numbers count from 1: what is shown, told, and happened so far.
@@ -48,21 +60,23 @@ class Broadcast {
   };
   const std::string& hello() const noexcept { return hello_; }
   Newest newest_frame() const;
-  Text newest_status() const;
+  Text newest(Topic topic) const;
   // The first one after that number.
   std::optional<Text> event_after(std::uint64_t number) const;
 
-  // One page.
-  std::unique_ptr<Conversation> open_conversation();
+  // One page. why_not: it may have nothing done; empty: it may.
+  std::unique_ptr<Conversation> open_conversation(const std::string& why_not = "");
 
  private:
   friend class PageConversation;
 
   const std::string hello_;
   const Clock::duration most_age_;
+  const Serve serve_;
+  const std::function<void()> wake_;
   mutable std::mutex mutex_;
   Newest frame_;
-  Text status_;
+  std::array<Text, kTopics> topics_;
   std::deque<Text> events_;
   std::atomic<int> waiting_ = 0;  // pages that may be sent a frame
   std::atomic<bool> visited_ = false;

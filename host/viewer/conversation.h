@@ -24,6 +24,6 @@ class Conversation {
 };
 
 // What a page may say at once.
-inline constexpr std::size_t kMaxPageMessage = 1024;
+inline constexpr std::size_t kMaxPageMessage = 2048;
 
 }  // namespace stof::viewer

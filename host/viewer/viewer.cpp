@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstring>
+#include <mutex>
 #include <utility>
 
 #include <arpa/inet.h>
@@ -46,11 +47,34 @@ std::vector<std::string> own_addresses() {
 
 }  // namespace
 
+// Answers come from any thread, also when the server is not there yet, or not any more.
+class Wake {
+ public:
+  void pages() {
+    const std::scoped_lock lock(mutex_);
+    if (server_ != nullptr) {
+      server_->wake();
+    }
+  }
+  void set(WebServer* server) {
+    const std::scoped_lock lock(mutex_);
+    server_ = server;
+  }
+
+ private:
+  std::mutex mutex_;
+  WebServer* server_ = nullptr;
+};
+
 struct Viewer::Parts {
-  Broadcast broadcast;
+  std::shared_ptr<Wake> wake;
   std::string token;
   bool lan;
+  bool recording;
+  std::optional<Broadcast> broadcast{};
   std::optional<WebServer> server{};  // last: its thread uses the others
+
+  ~Parts() { wake->set(nullptr); }
 };
 
 Viewer::Viewer(std::unique_ptr<Parts> parts) noexcept : parts_(std::move(parts)) {}
@@ -59,23 +83,32 @@ Viewer& Viewer::operator=(Viewer&&) noexcept = default;
 Viewer::~Viewer() = default;
 
 std::expected<Viewer, std::string> Viewer::open(const ViewerOptions& options) {
-  std::unique_ptr<Parts> parts(new Parts{
-      .broadcast =
-          Broadcast(hello_message(options.sensor, options.scale, options.recording)),  // NOLINT
-      .token = options.lan ? random_token() : "",
-      .lan = options.lan});
-  std::expected<WebServer, std::string> server = WebServer::open(
-      {.page = kPage,
-       .policy = kPagePolicy,
-       .rules = {.host_name = own_host_name(), .token = parts->token, .any_address = options.lan},
-       .every_interface = options.lan,
-       .port = options.port.value_or(kDefaultPort),
-       .or_any_port = !options.port,
-       .open_conversation = [all = &parts->broadcast] { return all->open_conversation(); }});
+  std::unique_ptr<Parts> parts(new Parts{.wake = std::make_shared<Wake>(),
+                                         .token = options.lan ? random_token() : "",
+                                         .lan = options.lan,
+                                         .recording = options.recording});
+  // A frame of a recording is as new as it was.
+  parts->broadcast.emplace(hello_message(options.sensor, options.scale, options.recording),
+                           options.recording ? std::chrono::hours(1000) : Broadcast::kMostAge,
+                           options.serve, [wake = parts->wake] { wake->pages(); });
+  std::expected<WebServer, std::string> server =
+      WebServer::open({.page = kPage,
+                       .policy = kPagePolicy,
+                       .rules = {.host_name = own_host_name(),
+                                 .token = parts->token,
+                                 .lan_control = options.lan && options.lan_control,
+                                 .any_address = options.lan},
+                       .every_interface = options.lan,
+                       .port = options.port.value_or(kDefaultPort),
+                       .or_any_port = !options.port,
+                       .open_conversation = [all = &*parts->broadcast](PageRight right) {
+                         return all->open_conversation(reason(right));
+                       }});
   if (!server) {
     return std::unexpected(server.error());
   }
   parts->server.emplace(std::move(*server));
+  parts->wake->set(&*parts->server);
   return Viewer(std::move(parts));
 }
 
@@ -91,27 +124,31 @@ std::vector<std::string> Viewer::addresses() const {
   return all;
 }
 
-bool Viewer::visited() const noexcept { return parts_->broadcast.visited(); }
+bool Viewer::visited() const noexcept { return parts_->broadcast->visited(); }
 
 bool Viewer::has_page() noexcept { return kHasPage; }
 
 void Viewer::show(const client::Frame& frame, std::optional<double> latency_ms) {
-  if (parts_->broadcast.wanted()) {
-    parts_->broadcast.show(copy_of(frame, latency_ms));
-    parts_->server->wake();
+  if (parts_->broadcast->wanted() || parts_->recording) {
+    parts_->broadcast->show(copy_of(frame, latency_ms));
+    parts_->wake->pages();
   }
 }
 
 void Viewer::tell(const Status& status) {
   if (visited()) {
-    parts_->broadcast.tell_status(status_message(status));
-    parts_->server->wake();
+    tell(Topic::kStatus, status_message(status));
   }
 }
 
 void Viewer::tell(const wire::EventReport& event, const std::string& text) {
-  parts_->broadcast.tell_event(event_message(event, text));
-  parts_->server->wake();
+  parts_->broadcast->tell_event(event_message(event, text));
+  parts_->wake->pages();
+}
+
+void Viewer::tell(Topic topic, std::string json) {
+  parts_->broadcast->tell(topic, std::move(json));
+  parts_->wake->pages();
 }
 
 }  // namespace stof::viewer

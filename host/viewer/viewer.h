@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "host/viewer/broadcast.h"
+#include "host/viewer/requests.h"
 #include "host/viewer/status_message.h"
 
 namespace stof::viewer {
@@ -17,10 +19,13 @@ struct ViewerOptions {
   bool recording = false;     // a file: what is shown happened before
   // Others than this machine may look; every address then carries a token.
   bool lan = false;
+  bool lan_control = false;             // and have done what the page of this machine may
   std::optional<std::uint16_t> port{};  // none: kDefaultPort, or any free one where it is taken
+  Serve serve{};                        // does what pages want; none: nothing
 };
 
-// The page in the browser: its server and what it is shown. For one thread, the receiver's.
+// The page in the browser: its server and what it is shown. For one thread, the receiver's, unless
+// said otherwise.
 class Viewer {
  public:
   static constexpr std::uint16_t kDefaultPort = 7570;
@@ -39,10 +44,13 @@ class Viewer {
   // False: this build has no page, but one that says how to build it.
   static bool has_page() noexcept;
 
-  // A frame is copied where a page waits for one; the newest wins.
+  // A frame is copied where a page waits for one, or may yet ask for it, as it halts (of a
+  // recording); the newest wins.
   void show(const client::Frame& frame, std::optional<double> latency_ms);
   void tell(const Status& status);
   void tell(const wire::EventReport& event, const std::string& text);
+  // For any thread.
+  void tell(Topic topic, std::string json);
 
  private:
   struct Parts;

@@ -28,6 +28,7 @@ const char* reason(Access access) noexcept;
 struct AccessRules {
   std::string host_name{};   // this machine's, also taken with ".local" behind it
   std::string token{};       // that every request has to carry; empty: none
+  bool lan_control = false;  // whoever has the token may change things, see page_rights.h
   bool any_address = false;  // literal addresses other than loopback ones are taken as Host
 };
 

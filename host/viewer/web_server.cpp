@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <libwebsockets.h>
+#include <unistd.h>
 
 namespace stof::viewer {
 namespace {
@@ -103,7 +104,7 @@ struct WebServer::Parts {
   int on_http(lws* wsi, std::string_view path);
   int on_upgrade(lws* wsi) const;
   int answer(lws* wsi, unsigned status, const char* type, std::string_view body);
-  int on_connected(Slot& slot);
+  int on_connected(lws* wsi, Slot& slot);
   static int on_message(lws* wsi, Connection& connection, std::string_view part);
   int on_writeable(lws* wsi, Connection& connection);
   Access access(lws* wsi) const;
@@ -236,11 +237,15 @@ int WebServer::Parts::on_upgrade(lws* wsi) const {
   return -1;
 }
 
-int WebServer::Parts::on_connected(Slot& slot) {
+int WebServer::Parts::on_connected(lws* wsi, Slot& slot) {
   if (pages >= options.max_pages) {
     return -1;
   }
-  slot.connection = new Connection{.conversation = options.open_conversation()};  // NOLINT
+  PageOrigin page = origin_of(lws_get_socket_fd(wsi));
+  page.names_origin = !header(wsi, WSI_TOKEN_ORIGIN).empty();
+  slot.connection = new Connection{
+      // NOLINT
+      .conversation = options.open_conversation(judge_page(options.rules, page, geteuid()))};
   ++pages;
   return 0;
 }
@@ -298,7 +303,7 @@ int WebServer::Parts::callback(lws* wsi, lws_callback_reasons reason, void* user
     case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
       return parts->on_upgrade(wsi);
     case LWS_CALLBACK_ESTABLISHED:
-      if (parts->on_connected(*slot) != 0) {
+      if (parts->on_connected(wsi, *slot) != 0) {
         return -1;
       }
       lws_callback_on_writable(wsi);

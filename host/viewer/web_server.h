@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "host/viewer/conversation.h"
+#include "host/viewer/page_rights.h"
 #include "host/viewer/web_access.h"
 
 namespace stof::viewer {
@@ -22,7 +23,8 @@ struct WebServerOptions {
   bool or_any_port = false;      // where that one is taken
   std::size_t max_pages = 8;     // connected at a time; the next is refused (503)
   // A page has connected. Called by the server's thread.
-  std::function<std::unique_ptr<Conversation>()> open_conversation{};
+  // right: whether it may have something done (page_rights.h).
+  std::function<std::unique_ptr<Conversation>(PageRight right)> open_conversation{};
 };
 
 // Serves one page over HTTP and talks with it over a WebSocket, in a thread of its own, by

@@ -5,17 +5,20 @@
 #include <optional>
 
 #include "hal/emu/devices/faults.h"
+#include "hal/emu/devices/live_fault.h"
 
 namespace stof::hal::emu {
 
 // The faults of one camera, call after call. One that hangs is frozen until it is opened again.
 class CameraFaults {
  public:
-  explicit CameraFaults(const FaultPlan& plan) noexcept : plan_(plan) {}
+  // live: outlives it; nullptr: nobody gives it any.
+  explicit CameraFaults(const FaultPlan& plan, LiveFault* live = nullptr) noexcept
+      : plan_(plan), live_(live) {}
 
   // Of the next call; never kHang.
   Fault next() noexcept {
-    Fault fault = plan_.at(calls_++);
+    Fault fault = fault_of_call(plan_, calls_++, live_);
     if (fault.kind != FaultKind::kHang) {
       hangs_since_.reset();
       return fault;
@@ -30,6 +33,7 @@ class CameraFaults {
 
  private:
   FaultPlan plan_;
+  LiveFault* live_;
   std::uint32_t calls_ = 0;
   std::atomic<std::uint32_t> openings_{0};
   std::optional<std::uint32_t> hangs_since_;  // openings_ when it began to hang

@@ -37,8 +37,8 @@ class ExposureSimulator final : private SlotOwner {
     std::uint32_t frozen = 0;  // the exposure whose pixels it has; 0: its own
     bool dark = false;
   };
-  ExposureSimulator(Duration readout, const FaultPlan& faults) noexcept
-      : readout_(readout), faults_(faults) {}
+  ExposureSimulator(Duration readout, const FaultPlan& faults, LiveFault* live) noexcept
+      : readout_(readout), faults_(faults, live) {}
 
   // Ends what hangs. For any thread.
   void reopen() noexcept { faults_.reopen(); }

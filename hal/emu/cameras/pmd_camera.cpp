@@ -22,8 +22,8 @@ void read_dark(std::uint32_t number, int index, dsp::ImageView<std::uint16_t> ou
 }  // namespace
 
 PmdCamera::PmdCamera(hal::Clock& clock, Imagery& imagery, const PmdTiming& timing,
-                     const FaultPlan& faults)
-    : clock_(clock), imagery_(imagery), timing_(timing), sets_(timing.readout, faults) {
+                     const FaultPlan& faults, LiveFault* live)
+    : clock_(clock), imagery_(imagery), timing_(timing), sets_(timing.readout, faults, live) {
   const Size size = imagery.pmd_size();
   STOF_CHECK(size.width > 0 && size.height > 0);
   STOF_CHECK(timing.integration > Duration::zero() && timing.readout >= Duration::zero() &&

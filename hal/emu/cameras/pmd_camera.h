@@ -27,7 +27,7 @@ class PmdCamera final : public hal::PmdCamera, public EdgeListener {
  public:
   // imagery.pmd_size() must not be empty.
   PmdCamera(hal::Clock& clock, Imagery& imagery, const PmdTiming& timing,
-            const FaultPlan& faults = {});
+            const FaultPlan& faults = {}, LiveFault* live = nullptr);
 
   void on_edge(Time edge) noexcept override;
   Result<BorrowedFrame<PmdFrame>> wait_frame(Time deadline) noexcept override;

@@ -5,8 +5,8 @@
 namespace stof::hal::emu {
 
 StereoCamera::StereoCamera(hal::Clock& clock, Imagery& imagery, const StereoTiming& timing,
-                           const FaultPlan& faults)
-    : clock_(clock), imagery_(imagery), timing_(timing), views_(timing.readout, faults) {
+                           const FaultPlan& faults, LiveFault* live)
+    : clock_(clock), imagery_(imagery), timing_(timing), views_(timing.readout, faults, live) {
   const Size size = imagery.stereo_size();
   STOF_CHECK(size.width > 0 && size.height > 0);
   STOF_CHECK(timing.exposure > Duration::zero() && timing.readout >= Duration::zero());

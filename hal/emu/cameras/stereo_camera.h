@@ -21,11 +21,11 @@ struct StereoTiming {
 // during an exposure is ignored, as such sensors do. Exposure numbers, and so sequences, count from
 // 1. Four slots; when none is free the oldest unread frame is lost. Pixels are made inside
 // wait_frame: on a real clock it takes that long on top of the wait. No heap after construction.
-// Clock and imagery must outlive it, and it the frames it lends. Faults: faults.h.
+// Clock, imagery and live faults must outlive it, and it the frames it lends. Faults: faults.h.
 class StereoCamera final : public hal::StereoCamera, public EdgeListener {
  public:
   StereoCamera(hal::Clock& clock, Imagery& imagery, const StereoTiming& timing,
-               const FaultPlan& faults = {});
+               const FaultPlan& faults = {}, LiveFault* live = nullptr);
 
   void on_edge(Time edge) noexcept override;
   Result<BorrowedFrame<StereoFrame>> wait_frame(Time deadline) noexcept override;

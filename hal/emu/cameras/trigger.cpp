@@ -5,8 +5,8 @@
 namespace stof::hal::emu {
 
 Trigger::Trigger(hal::Clock& clock, Duration width, std::initializer_list<EdgeListener*> listeners,
-                 const FaultPlan& faults) noexcept
-    : clock_(clock), width_(width), faults_(faults) {
+                 const FaultPlan& faults, LiveFault* live) noexcept
+    : clock_(clock), width_(width), faults_(faults), live_(live) {
   STOF_CHECK(width > Duration::zero() && listeners.size() <= kMaxListeners);
   for (EdgeListener* const listener : listeners) {
     STOF_CHECK(listener != nullptr);
@@ -15,7 +15,7 @@ Trigger::Trigger(hal::Clock& clock, Duration width, std::initializer_list<EdgeLi
 }
 
 Result<Time> Trigger::pulse() noexcept {
-  const Fault fault = faults_.at(calls_++);
+  const Fault fault = fault_of_call(faults_, calls_++, live_);
   if (fault.kind == FaultKind::kVanish) {
     return fail(Status::kDeviceLost);
   }

@@ -7,6 +7,7 @@
 
 #include "hal/clock.h"
 #include "hal/emu/devices/faults.h"
+#include "hal/emu/devices/live_fault.h"
 #include "hal/trigger.h"
 
 namespace stof::hal::emu {
@@ -20,13 +21,13 @@ class EdgeListener {
 };
 
 // One line to all cameras. pulse() takes `width` on the clock (and the duration of a kDelay fault).
-// Clock and listeners must outlive it. Faults: faults.h.
+// Clock, listeners and live faults must outlive it. Faults: faults.h.
 class Trigger final : public hal::Trigger {
  public:
   static constexpr std::size_t kMaxListeners = 4;
 
   Trigger(hal::Clock& clock, Duration width, std::initializer_list<EdgeListener*> listeners,
-          const FaultPlan& faults = {}) noexcept;
+          const FaultPlan& faults = {}, LiveFault* live = nullptr) noexcept;
 
   Result<Time> pulse() noexcept override;
 
@@ -36,6 +37,7 @@ class Trigger final : public hal::Trigger {
   hal::Clock& clock_;
   Duration width_;
   FaultPlan faults_;
+  LiveFault* live_;
   std::array<EdgeListener*, kMaxListeners> listeners_{};
   std::size_t listener_count_ = 0;
   std::uint32_t calls_ = 0;

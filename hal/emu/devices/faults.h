@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -54,6 +55,9 @@ inline constexpr std::array kAllFaultKinds{
     FaultKind::kDrop,   FaultKind::kDelay,   FaultKind::kRepeat,
     FaultKind::kTear,   FaultKind::kCorrupt, FaultKind::kVanish,
     FaultKind::kFreeze, FaultKind::kDark,    FaultKind::kHang};
+
+// How much later an exposure comes, or an edge, where nobody says otherwise.
+inline constexpr Duration kUsualFaultDuration = std::chrono::milliseconds(25);
 
 struct Fault {
   static constexpr std::uint32_t kForever = std::numeric_limits<std::uint32_t>::max();

@@ -75,7 +75,7 @@ class LiveBridge {
         feed_(feed),
         times_(options.times),
         receiver_(open_receiver(options_)) {
-    say("publishing " + place_of(options_, *receiver_) + " as /" + options.name_space +
+    say("publishing " + place_of(*receiver_) + " as /" + options.name_space +
         "/depth/image_raw and its neighbours, DDS domain " + std::to_string(options.domain));
     if (const std::string advice = receiver_->advice(); !advice.empty()) {
       say(advice);
@@ -130,7 +130,7 @@ class LiveBridge {
       return;
     }
     const client::LinkState state = receiver_->link();
-    bridge::RobotFeed::Link link{.place = place_of(options_, *receiver_),
+    bridge::RobotFeed::Link link{.place = place_of(*receiver_),
                                  .statistics = receiver_->statistics()};
     if (state.silent) {
       link.trouble = printed("no frame for %.0f s",

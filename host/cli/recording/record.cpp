@@ -13,6 +13,7 @@
 #include "host/cli/output.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/recording/sensor_documents.h"
+#include "host/cli/recording/session_recording.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/stop_signal.h"
 #include "host/cli/view/raw_files.h"
@@ -35,8 +36,8 @@ class Recording {
       : options_(options),
         receiver_(receiver),
         recorder_(recorder),
-        documents_(std::move(documents)),
-        watch_(options, options.raw) {}
+        session_(recorder, options, {.program = options.program, .raw = options.raw},
+                 std::move(documents)) {}
 
   // Until enough came, a signal, the timeout, or a disk that takes no more.
   void run() {
@@ -63,28 +64,28 @@ class Recording {
         silent_ = true;
         return;
       }
-      if (options_.raw && frames_ != 0 && exposures_ == 0 &&
+      if (options_.raw && frames() != 0 && exposures() == 0 &&
           now - began_ > std::chrono::duration<double>(std::max(options_.timeout_s, kAnewS))) {
         throw Failure(Exit::kFailure,
                       "no raw pictures came, from the begin of what counts from "
                       "frame to frame" +
                           raw_absence(receiver_.raw_refusal()));
       }
-      if (frames_ != 0 && now - said >= std::chrono::seconds(1)) {
+      if (frames() != 0 && now - said >= std::chrono::seconds(1)) {
         said = now;
-        say(std::to_string(frames_) + " frames recorded" + raw_text() + dropped_text() +
+        say(std::to_string(frames()) + " frames recorded" + raw_text() + dropped_text() +
             link_text(receiver_.link()));
       }
     }
   }
 
   // Settings that are still asked for, at the end.
-  void finish() { take_documents(true); }
+  void finish() { session_.finish(); }
 
-  std::uint64_t frames() const { return frames_; }
-  std::uint64_t exposures() const { return exposures_; }
-  std::uint64_t lost_pictures() const { return lost_pictures_; }
-  std::uint64_t dropped() const { return dropped_; }
+  std::uint64_t frames() const { return session_.frames(); }
+  std::uint64_t exposures() const { return session_.exposures(); }
+  std::uint64_t lost_pictures() const { return session_.lost_pictures(); }
+  std::uint64_t dropped() const { return session_.dropped(); }
   // Less than was asked for.
   bool short_of() const {
     return silent_ || (options_.frames != 0 && counted() < options_.frames && !asked_to_stop());
@@ -96,7 +97,7 @@ class Recording {
   }
 
  private:
-  std::uint64_t counted() const { return options_.raw ? exposures_ : frames_; }
+  std::uint64_t counted() const { return options_.raw ? exposures() : frames(); }
   bool enough() const {
     if (counted() == 0) {
       return false;
@@ -108,12 +109,13 @@ class Recording {
   }
 
   std::string raw_text() const {
-    return options_.raw ? ", " + std::to_string(exposures_) + " with raw pictures" : "";
+    return options_.raw ? ", " + std::to_string(exposures()) + " with raw pictures" : "";
   }
 
   std::string dropped_text() const {
-    return dropped_ == 0 ? ""
-                         : ", " + std::to_string(dropped_) + " not: the disk is too slow for them";
+    return dropped() == 0
+               ? ""
+               : ", " + std::to_string(dropped()) + " not: the disk is too slow for them";
   }
 
   void take(const Result<client::Frame>& frame) {
@@ -123,8 +125,7 @@ class Recording {
       }
       return;
     }
-    const std::uint64_t time = clock_.at(frame->last_packet);
-    if (frames_ + dropped_ == 0) {
+    if (frames() + dropped() == 0) {
       began_ = client::Time::clock::now();
       counting_since_ = began_;
       say(first_frame_line(options_, receiver_, frame->origin.device_id));
@@ -133,158 +134,38 @@ class Recording {
         say(kReplayLine);
       }
     }
-    if (!origin_ || origin_->session_id != frame->origin.session_id) {
-      origin_ = frame->origin;
-      calibration_.reset();
-      uptime_ms_.reset();
-      raw_begun_ = false;
-      put_sensor(*frame, time);
-    }
-    recording::TopicMessages messages;
-    if (frame->calibration && frame->calibration != calibration_) {
-      calibration_ = frame->calibration;
-      recording::append_calibration(messages, *frame, time);
-    }
-    if (frame->info) {
-      watch_.note(frame->info->settings_fingerprint, frame->info->calibration_fingerprint);
-    }
-    recording::append_frame(messages, *frame, time);
-    if (recorder_.put(std::move(messages))) {
-      ++frames_;
-    } else if (!recorder_.failed()) {
-      ++dropped_;
-      calibration_.reset();  // it may have been among them
-    }
+    session_.take(*frame, receiver_.place());
   }
 
   // Raw pictures, from the exposure on that was computed from a known state.
   void take_raw() {
     while (const std::optional<client::RawExposure> exposure = receiver_.take_raw()) {
-      raw_begun_ = raw_begun_ || (exposure->info.state & wire::kRawBegunAnew) != 0;
-      if (!raw_begun_ || !origin_ || origin_->session_id != exposure->origin.session_id) {
-        continue;
-      }
-      if (exposures_ == 0) {
+      if (session_.counts(*exposure) && exposures() == 0) {
         counting_since_ = client::Time::clock::now();
       }
-      recording::TopicMessages messages;
-      recording::append_raw(messages, *exposure, clock_.at(exposure->last_packet));
-      if (recorder_.put(std::move(messages))) {
-        ++exposures_;
-        lost_pictures_ += exposure->complete() ? 0U : 1U;
-      } else if (!recorder_.failed()) {
-        ++dropped_;
-      }
+      session_.take(*exposure);
     }
-  }
-
-  // Settings and calibration that changed meanwhile.
-  void take_documents(bool wait) {
-    const std::optional<SensorDocuments> documents = watch_.take(wait);
-    if (!documents) {
-      return;
-    }
-    if (!documents->settings.empty()) {
-      put_settings(documents->settings, clock_.now());
-    }
-    if (!documents->calibration.empty()) {
-      put_calibration(documents->calibration, clock_.now());
-    }
-  }
-
-  void put_settings(const std::string& document, std::uint64_t time) {
-    recording::TopicMessages messages;
-    recording::append_settings(messages, document, time);
-    recorder_.put(std::move(messages));
-  }
-
-  void put_calibration(const std::string& file, std::uint64_t time) {
-    recording::OwnedAttachment attachment{.name = recording::kCalibrationAttachment,
-                                          .media_type = "application/octet-stream",
-                                          .log_time = time};
-    mcap::append_bytes(attachment.data, mcap::bytes_of(file));
-    recorder_.put(std::move(attachment));
-  }
-
-  // Metadata of the session, and the settings that it began with.
-  void put_sensor(const client::Frame& frame, std::uint64_t time) {
-    mcap::Metadata metadata{
-        .name = recording::kSensorMetadata,
-        .entries = {
-            {"program", options_.program},
-            {"device_id", std::to_string(frame.origin.device_id)},
-            {"session_id", std::to_string(frame.origin.session_id)},
-            {"sensor", options_.sensor.empty() ? "sends here" : options_.sensor},
-            {"place", receiver_.place()},
-            {"signed", options_.signed_streams ? "yes" : "no"},
-            {"sensor_clock", clock_text(frame.stamp.clock)},
-            {"log_time",
-             "wall clock of the recording computer at the start, which goes on "
-             "by its monotonic clock"},
-            {"settings", documents_.settings.empty()
-                             ? documents_.no_settings
-                             : std::string("attachment ") + recording::kSettingsAttachment}}};
-    if (options_.raw) {
-      metadata.entries["calibration"] =
-          documents_.calibration.empty()
-              ? documents_.no_calibration
-              : std::string("attachment ") + recording::kCalibrationAttachment;
-    }
-    recorder_.put(std::move(metadata));
-    watch_.know(documents_);
-    if (!documents_.calibration.empty()) {
-      put_calibration(documents_.calibration, time);
-    }
-    if (!documents_.settings.empty()) {
-      put_settings(documents_.settings, time);
-      recording::OwnedAttachment attachment{.name = recording::kSettingsAttachment,
-                                            .media_type = "application/json",
-                                            .log_time = time};
-      mcap::append_bytes(attachment.data, mcap::bytes_of(documents_.settings));
-      recorder_.put(std::move(attachment));
-    }
-    documents_ = {.no_settings = "of an earlier session: see its attachment",
-                  .no_calibration = "of an earlier session: see its attachment"};
   }
 
   // What the sensor says beside frames. What comes before the first frame waits for its session.
   void take_beside() {
-    if (!origin_) {
+    if (!session_.begun()) {
       return;
     }
-    take_documents(false);
-    recording::TopicMessages messages;
     while (const std::optional<wire::EventReport> event = receiver_.take_event()) {
       say(event_line(*event));
-      recording::append_event(messages, *origin_, *event, clock_.now());
+      session_.take(*event);
     }
-    const std::optional<wire::HealthReport>& health = receiver_.health();
-    if (health && health->uptime_ms != uptime_ms_) {
-      uptime_ms_ = health->uptime_ms;
-      recording::append_health(messages, *origin_, *health, clock_.now());
-    }
-    if (!messages.empty()) {
-      recorder_.put(std::move(messages));
-    }
+    session_.take(receiver_.health());
   }
 
   const RecordOptions& options_;
   client::Receiver& receiver_;
   LinkTeller teller_;
   recording::Recorder& recorder_;
-  SensorDocuments documents_;
-  DocumentWatch watch_;
-  recording::LogClock clock_;
-  std::optional<wire::Origin> origin_;  // of the session that is recorded
-  std::optional<wire::CalibrationPacket> calibration_;
-  std::optional<std::uint64_t> uptime_ms_;  // of the health that was recorded last
+  SessionRecording session_;
   client::Time began_;
   client::Time counting_since_;
-  bool raw_begun_ = false;  // in this session
-  std::uint64_t exposures_ = 0;
-  std::uint64_t lost_pictures_ = 0;  // exposures that miss some
-  std::uint64_t frames_ = 0;
-  std::uint64_t dropped_ = 0;
   bool silent_ = false;
 };
 

@@ -1,10 +1,14 @@
 #include "host/cli/view/page_view.h"
 
 #include <cstdio>
+#include <system_error>
+#include <utility>
 
 #include <unistd.h>
 
+#include "firmware/wire/messages/conditions.h"
 #include "host/cli/failure.h"
+#include "host/cli/own_keys.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/view/status_line.h"
 #include "host/viewer/browser.h"
@@ -18,10 +22,41 @@ void add_page_flags(CLI::App& command, PageOptions& options) {
   command.add_flag("--lan", options.lan,
                    "Others on the network may open the page, by an address with a token: whoever "
                    "has the address sees what the sensor sees");
+  command.add_flag("--lan-control", options.lan_control,
+                   "With --lan: whoever has the address may also change settings and record, with "
+                   "your keys of the sensor");
+  command.add_option("--record-to", options.record_to, "Folder of what is recorded from the page")
+      ->capture_default_str();
+  command.add_option("--fault-socket", options.fault_socket,
+                     "Of an emulated sensor, as stofd has it: the page can make it fail");
   command.add_flag("--no-browser", options.no_browser, "Print the page's address, open no browser");
 }
 
-void PageView::open(const PageOptions& options, viewer::ViewerOptions shown) {
+void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
+                    viewer::ViewerOptions shown) {
+  if (options.lan_control && !options.lan) {
+    throw Failure(Exit::kBadInput,
+                  "--lan-control: goes with --lan: without it no other machine "
+                  "opens the page");
+  }
+  std::error_code error;
+  if (!shown.recording && !std::filesystem::is_directory(options.record_to, error)) {
+    throw Failure(Exit::kBadInput, "--record-to: " + options.record_to.string() +
+                                       ": is no folder: make it, or give another one");
+  }
+  receive_ = &receive;
+  DeskOptions desk{.fault_socket = options.fault_socket, .sensor = !shown.recording};
+  desk.config.keys = keys_file(receive.keys);
+  desk.config.device = receive.device;
+  desk.config.key = receive.key;
+  desk_ = std::make_unique<PageDesk>(std::move(desk));
+  if (!shown.recording) {
+    recording_ = std::make_unique<PageRecording>(options.record_to, options.program);
+  }
+  shown.serve = [raw = desk_.get()](viewer::Wish wish, viewer::Answer answer) {
+    raw->serve(std::move(wish), std::move(answer));
+  };
+  shown.lan_control = options.lan_control;
   shown.lan = options.lan;
   shown.port = options.http_port;
   std::expected<viewer::Viewer, std::string> viewer = viewer::Viewer::open(shown);
@@ -29,6 +64,11 @@ void PageView::open(const PageOptions& options, viewer::ViewerOptions shown) {
     throw Failure(Exit::kBadInput, viewer.error());
   }
   viewer_.emplace(std::move(*viewer));
+  desk_->tell_by(
+      [this](viewer::Topic topic, std::string json) { viewer_->tell(topic, std::move(json)); });
+  viewer_->tell(
+      viewer::Topic::kRecording,
+      viewer::recording_message(recording_ ? recording_->state() : viewer::RecordingState{}));
   const std::vector<std::string> addresses = viewer_->addresses();
   for (const std::string& address : addresses) {
     std::printf("page: %s\n", address.c_str());
@@ -44,13 +84,29 @@ void PageView::open(const PageOptions& options, viewer::ViewerOptions shown) {
   }
 }
 
+PageView::~PageView() {
+  if (desk_) {
+    desk_->tell_by({});  // the viewer goes first
+  }
+}
+
 void PageView::show(const client::Frame& frame) {
   if (viewer_) {
+    device_ = frame.origin.device_id;
     viewer_->show(frame, latency_ms(frame));
   }
 }
 
+void PageView::record(const client::Frame& frame, const client::Receiver& receiver) {
+  if (recording_) {
+    recording_->take(frame, receiver.place());
+  }
+}
+
 void PageView::tell(const wire::EventReport& event, const std::string& text) {
+  if (recording_) {
+    recording_->take(event);
+  }
   if (viewer_) {
     viewer_->tell(event, text);
   }
@@ -65,11 +121,51 @@ bool PageView::due(client::Time now) {
   return true;
 }
 
-void PageView::tell_status(const ReceiveOptions& options, client::Receiver& receiver,
-                           client::Time now) {
-  if (!due(now)) {
+// Where the sensor that is received is asked for something.
+ReceiveOptions PageView::asked(const client::Receiver& receiver) const {
+  ReceiveOptions asked = *receive_;
+  if (asked.sensor.empty()) {
+    asked.sensor = receiver.sender();
+  }
+  return asked;
+}
+
+void PageView::serve_own(const client::Receiver& receiver) {
+  while (const std::optional<PageDesk::Own> own = desk_->take_own()) {
+    const auto& [wish, answer] = *own;
+    if (const auto* const recording = std::get_if<viewer::SetRecording>(&wish)) {
+      std::expected<void, std::string> done;
+      if (recording->on) {
+        done = recording_->begin(asked(receiver));
+      } else {
+        recording_->end();
+      }
+      viewer_->tell(viewer::Topic::kRecording, viewer::recording_message(recording_->state()));
+      answer(done.has_value(), done ? std::string() : done.error());
+    } else {
+      answer(false, "a live sensor cannot be wound back: record it");
+    }
+  }
+}
+
+void PageView::look(const ReceiveOptions& options, client::Receiver& receiver, client::Time now) {
+  if (!viewer_) {
     return;
   }
+  serve_own(receiver);
+  recording_->take(receiver.health());
+  if (due(now)) {
+    tell_status(options, receiver);
+    viewer_->tell(viewer::Topic::kRecording, viewer::recording_message(recording_->state()));
+    const std::uint32_t active = receiver.health() ? receiver.health()->active : 0;
+    desk_->know({.address = asked(receiver).sensor,
+                 .device = device_,
+                 .unpaired = ((active >> static_cast<int>(wire::Condition::kUnpaired)) & 1U) != 0});
+    desk_->look_at_faults();
+  }
+}
+
+void PageView::tell_status(const ReceiveOptions& options, client::Receiver& receiver) {
   const client::LinkState link = receiver.link();
   viewer_->tell(
       {.statistics = receiver.statistics(),
@@ -88,6 +184,12 @@ void PageView::tell_recorded(const client::Statistics& statistics,
                    .health = health,
                    .health_text = health ? health_line(*health) : "",
                    .waiting = ""});
+  }
+}
+
+void PageView::tell(const viewer::PlaybackState& playback) {
+  if (viewer_) {
+    viewer_->tell(viewer::Topic::kPlayback, viewer::playback_message(playback));
   }
 }
 

@@ -1,11 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <optional>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
 #include "host/cli/receive.h"
+#include "host/cli/view/page_desk.h"
+#include "host/cli/view/page_recording.h"
 #include "host/viewer/viewer.h"
 
 namespace stof::host {
@@ -13,34 +18,53 @@ namespace stof::host {
 struct PageOptions {
   std::optional<std::uint16_t> http_port;  // none: the usual one, or any free one
   bool lan = false;                        // others on the network may look, with a token
+  bool lan_control = false;                // and change what the page of this machine may
   bool no_browser = false;
+  std::filesystem::path record_to = ".";  // folder of what the page records
+  std::string fault_socket;               // of an emulated sensor; empty: none
+  std::string program;                    // name and version, for recordings
 };
 
 void add_page_flags(CLI::App& command, PageOptions& options);
 
-// The page of `stof view` in the browser, or none.
+// The page of `stof view` in the browser, or none. For the receiver's thread.
 class PageView {
  public:
   PageView() = default;
+  ~PageView();
+  PageView(const PageView&) = delete;
+  PageView& operator=(const PageView&) = delete;
   // Serves it, prints its addresses and opens the browser where the user sits at a terminal. Throws
-  // Failure. shown: what and how; its port and `lan` are those of `options`.
-  void open(const PageOptions& options, viewer::ViewerOptions shown);
+  // Failure. shown: what and how; its port and `lan` are those of `options`. receive: of a sensor,
+  // with its keys; outlives it.
+  void open(const PageOptions& options, const ReceiveOptions& receive, viewer::ViewerOptions shown);
 
   void show(const client::Frame& frame);
   void tell(const wire::EventReport& event, const std::string& text);
-  // Twice a second, whatever the receiver has.
-  void tell_status(const ReceiveOptions& options, client::Receiver& receiver, client::Time now);
-  // The same of a recording.
+  // Of a sensor, all of it behind each look at the receiver: what is recorded, what the page wants
+  // done, and twice a second how things are.
+  void look(const ReceiveOptions& options, client::Receiver& receiver, client::Time now);
+  void record(const client::Frame& frame, const client::Receiver& receiver);
+  // Of a recording: how things are, and what the page wants done with it.
   void tell_recorded(const client::Statistics& statistics,
                      const std::optional<wire::HealthReport>& health, client::Time now);
+  void tell(const viewer::PlaybackState& playback);
+  std::optional<PageDesk::Own> take_own() { return desk_ ? desk_->take_own() : std::nullopt; }
   // Somebody looks, or has: what is silent may come back.
   bool visited() const { return viewer_ && viewer_->visited(); }
 
  private:
   // A status; the next one half a second later.
   bool due(client::Time now);
+  void serve_own(const client::Receiver& receiver);
+  void tell_status(const ReceiveOptions& options, client::Receiver& receiver);
+  ReceiveOptions asked(const client::Receiver& receiver) const;
 
+  const ReceiveOptions* receive_ = nullptr;
+  std::unique_ptr<PageDesk> desk_;            // it tells the viewer, whose server asks it
+  std::unique_ptr<PageRecording> recording_;  // of a sensor
   std::optional<viewer::Viewer> viewer_;
+  std::uint32_t device_ = 0;  // of the newest frame
   client::Time told_;
 };
 

@@ -46,7 +46,7 @@ class View {
         packets = heard_of;
         heard = now;
       }
-      page_.tell_status(options_, receiver_, now);
+      page_.look(options_, receiver_, now);
       if (now - heard > std::chrono::duration<double>(options_.timeout_s) && !page_.visited()) {
         silent_ = true;
         return;
@@ -182,6 +182,7 @@ class View {
     }
     ++frames_;
     page_.show(*frame);
+    page_.record(*frame, receiver_);
     status_line_.count(*frame);
     streams_ = streams_line(*frame);
     FrameCopy& kept = frame->complete() ? whole_ : newest_;
@@ -239,7 +240,8 @@ void view(const ViewOptions& options) {
   say((options.sensor.empty() ? "listening on " : "subscribing at ") + place_of(receiver));
   PageView page;
   if (has_page(options)) {
-    page.open(options.page, {.sensor = place_of(receiver), .scale = options.scale});
+    page.open(options.page, options,
+              {.sensor = place_of(receiver), .scale = options.scale});
   }
   tell_port(options, receiver);
   View session(meant, receiver, page);

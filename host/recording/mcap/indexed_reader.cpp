@@ -111,6 +111,30 @@ void IndexedReader::choose(std::set<std::uint16_t> channels) {
   next_entry_ = 0;
 }
 
+void IndexedReader::seek(std::uint64_t log_time) {
+  const auto chunk = std::ranges::find_if(
+      index_.chunks, [&](const ChunkIndex& one) { return one.end_time >= log_time; });
+  next_chunk_ = static_cast<std::size_t>(chunk - index_.chunks.begin());
+  entries_.clear();
+  next_entry_ = 0;
+}
+
+std::optional<std::uint64_t> IndexedReader::last_time(std::uint16_t channel) {
+  for (std::size_t i = index_.chunks.size(); i > 0; --i) {
+    const auto& offsets = index_.chunks[i - 1].message_index_offsets;
+    const auto at = offsets.find(channel);
+    const std::expected<RecordAt, Problem> record =
+        at == offsets.end() ? std::unexpected(Problem{}) : record_at(at->second, 0);
+    const std::optional<MessageIndex> messages = record && record->opcode == Opcode::kMessageIndex
+                                                     ? parse_message_index(record->content)
+                                                     : std::nullopt;
+    if (messages && !messages->entries.empty()) {
+      return std::ranges::max(messages->entries, {}, &IndexEntry::log_time).log_time;
+    }
+  }
+  return std::nullopt;
+}
+
 std::expected<std::optional<Message>, Problem> IndexedReader::next() {
   while (next_entry_ == entries_.size()) {
     entries_.clear();

@@ -24,6 +24,10 @@ class IndexedReader {
   const FileIndex& index() const noexcept { return index_; }
   // Only these channels from now on, from the first message again. None named: all.
   void choose(std::set<std::uint16_t> channels);
+  // The next message is the first of the first chunk that holds a message of this time or later.
+  void seek(std::uint64_t log_time);
+  // Of the last message of a channel; none: it has none, or no index of it can be read.
+  std::optional<std::uint64_t> last_time(std::uint16_t channel);
   // A problem is of one chunk: the next call goes on behind it.
   std::expected<std::optional<Message>, Problem> next();
 

@@ -1,5 +1,9 @@
 // The WebSocket to `stof view` (docs/VIEWER.md): frames are asked for one by one, and a connection that ends is made again.
 
+import { FaultsMessage } from "./faults";
+import { PlaybackMessage, RecordingMessage } from "./recorder";
+import { SettingsMessage } from "./settings";
+
 export interface Calibration { fx: number; fy: number; cx: number; cy: number; max_range_m: number }
 
 export interface Frame {
@@ -51,12 +55,21 @@ export interface Status {
 
 export interface SensorEvent { text: string; condition: number; severity: number; active: boolean; count: number; time_ms: number }
 
+// Whether this page may have something done, and the ticket that each request carries.
+export interface Rights { may: boolean; why: string; ticket: string }
+
 export interface Listener {
   hello(hello: Hello): void;
   status(status: Status): void;
   event(event: SensorEvent): void;
   frame(frame: Frame): void;
   connected(is: boolean): void;
+  rights(rights: Rights): void;
+  answer(id: number, answer: { done: boolean; text: string }): void;
+  settings(message: SettingsMessage): void;
+  faults(message: FaultsMessage): void;
+  recording(message: RecordingMessage): void;
+  playback(message: PlaybackMessage): void;
 }
 
 export type Plane = "depth" | "width" | "source" | "left";
@@ -107,6 +120,13 @@ export class Connection {
     }
   }
 
+  // False: there is no connection.
+  send(request: object): boolean {
+    if (this.socket?.readyState !== WebSocket.OPEN) return false;
+    this.socket.send(JSON.stringify(request));
+    return true;
+  }
+
   // A page that nobody sees asks for nothing but events.
   rest(is: boolean): void {
     if (this.resting === is) return;
@@ -144,6 +164,12 @@ export class Connection {
       if (said.type === "hello") this.listener.hello(said);
       if (said.type === "status") this.listener.status(said);
       if (said.type === "event") this.listener.event(said);
+      if (said.type === "rights") this.listener.rights(said);
+      if (said.type === "answer") this.listener.answer(said.id, said);
+      if (said.type === "settings") this.listener.settings(said);
+      if (said.type === "faults") this.listener.faults(said);
+      if (said.type === "recording") this.listener.recording(said);
+      if (said.type === "playback") this.listener.playback(said);
     };
   }
 }

@@ -1,20 +1,14 @@
 import { CloudView } from "./cloud_view";
 import { Rgb, Scale, rgb, widthFar, widthNear } from "./colours";
-import { Connection, Frame, Hello, Plane, SensorEvent, Status } from "./connection";
+import { Connection, Frame, Hello, Plane, Rights, SensorEvent, Status } from "./connection";
 import { Base, DepthView, Overlay, depthRange } from "./depth_view";
 import { levelOf, showEvent, showHealth } from "./events";
+import { FaultPanel } from "./faults";
+import { Requests, find, put } from "./panels";
 import { Plot } from "./plots";
 import { Probe } from "./probe";
-
-function find<T extends HTMLElement>(id: string): T {
-  return document.getElementById(id) as T;
-}
-
-// What does not change costs no layout.
-function put(id: string, text: string): void {
-  const element = find(id);
-  if (element.textContent !== text) element.textContent = text;
-}
+import { Player, RecordButton } from "./recorder";
+import { SettingsPanel } from "./settings";
 
 function chosen(name: string): string {
   return document.querySelector<HTMLInputElement>(`input[name="${name}"]:checked`)!.value;
@@ -60,6 +54,11 @@ class Page {
   private aspect = "";
   private recording = false;
   private readAt = 0;
+  private requests = new Requests(() => this.connection);
+  private settings = new SettingsPanel(this.requests);
+  private faults = new FaultPanel(this.requests);
+  private recorder = new RecordButton(this.requests);
+  private player = new Player(this.requests);
 
   constructor() {
     this.connection = new Connection({
@@ -68,6 +67,12 @@ class Page {
       event: (event) => this.happened(event),
       frame: (frame) => this.arrived(frame),
       connected: (is) => this.connected(is),
+      rights: (rights) => this.mayDo(rights),
+      answer: (id, answer) => this.requests.answered(id, answer),
+      settings: (message) => this.settings.told(message),
+      faults: (message) => this.faults.told(message),
+      recording: (message) => this.recorder.told(message),
+      playback: (message) => this.player.told(message),
     }, () => this.planes());
     for (const input of document.querySelectorAll<HTMLInputElement>("input[type=radio]")) {
       input.addEventListener("change", () => this.choose());
@@ -75,7 +80,7 @@ class Page {
     for (const input of [this.near, this.far]) input.addEventListener("change", () => this.setRange());
     find("pause").addEventListener("click", () => this.pause(!this.paused));
     document.addEventListener("visibilitychange", () => this.connection.rest(document.hidden));
-    new ResizeObserver(() => { this.probe.place(); this.redraw(); }).observe(find("stage"));
+    new ResizeObserver(() => { this.probe.place(); this.showLegend(); this.redraw(); }).observe(find("stage"));
     themeButton(() => { this.plot(); });
     setInterval(() => { if (!document.hidden) this.showState(); }, 500);
     this.connection.rest(document.hidden);
@@ -86,6 +91,7 @@ class Page {
     find("sensor").textContent = name;
     document.title = `stof ${name}`;
     this.recording = hello.recording;
+    find("settings").hidden = hello.recording;
     this.table = hello.colours.map(rgb);
     this.sources = hello.sources;
     if (!this.scale) {
@@ -116,12 +122,21 @@ class Page {
 
   private connected(is: boolean): void {
     this.isConnected = is;
+    if (!is) this.requests.ended();
     if (is) {
       this.wasConnected = true;
       this.counted.at = 0;
       this.status = null;
     }
     this.showState();
+  }
+
+  private mayDo(rights: Rights): void {
+    this.requests.rights = rights;
+    for (const id of ["record", "fault-give"]) find<HTMLButtonElement>(id).disabled = !rights.may;
+    put("may-not", rights.why);
+    find("may-not").hidden = rights.may;
+    this.settings.connected();
   }
 
   private arrived(frame: Frame): void {
@@ -346,6 +361,7 @@ class Page {
 
   private happened(event: SensorEvent): void {
     showEvent(find("events"), event);
+    if (event.text.includes("settings_changed")) this.settings.ask(true); // by whomever
   }
 
   // One line, for eyes and ears: said again only where it changes.
@@ -378,6 +394,7 @@ class Page {
 function themeButton(changed: () => void): void {
   const button = find("theme");
   const names = ["system", "light", "dark"];
+  const dark = window.matchMedia("(prefers-color-scheme: dark)");
   let now = "system";
   try {
     now = localStorage.getItem("stof-theme") ?? now;
@@ -385,14 +402,11 @@ function themeButton(changed: () => void): void {
     // without storage it is not remembered
   }
   const show = () => {
-    if (now === "system") {
-      delete document.documentElement.dataset.theme;
-    } else {
-      document.documentElement.dataset.theme = now;
-    }
+    document.documentElement.dataset.theme = now !== "system" ? now : dark.matches ? "dark" : "light";
     button.textContent = `Theme: ${now}`;
   };
   if (!names.includes(now)) now = "system";
+  dark.addEventListener("change", () => { show(); changed(); });
   button.addEventListener("click", () => {
     now = names[(names.indexOf(now) + 1) % names.length];
     try {

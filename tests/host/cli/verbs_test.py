@@ -53,6 +53,7 @@ VERBS = {
                    file=("{f} --to file --as ply --json",)),
     "recover": Verb("absent.mcap", file=("{f} --json",)),
     "replay": Verb("absent.mcap", file=("{f} --port 0 --bind 127.0.0.1 --timeout 0.2 --json",)),
+    "fault": Verb("absent.socket pmd:vanish:60"),
     "bridge ros2": Verb("absent.mcap"),
     "discover": Verb("--timeout 0.3", live=("--timeout 4 --address {s} --json",)),
     "config": Verb("{s} get --timeout 0.05", lost=1, live=("{s} get --json --timeout 10", "{s} diff --json --timeout 10", "{s} schema --timeout 10")),

@@ -1,11 +1,14 @@
 #include "host/recording/recording.h"
 
+#include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <mutex>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "host/recording/indexed_frames.h"
 #include "host/recording/recorder.h"
 #include "tests/dataset/scratch.h"
 #include "tests/host/recording/memory_sink.h"
@@ -14,6 +17,7 @@ namespace stof {
 namespace {
 
 using recording::Topic;
+using namespace std::chrono_literals;
 
 constexpr int kWidth = 17;
 constexpr int kHeight = 5;
@@ -62,12 +66,13 @@ struct Pictures {
 class RecordingTest : public test::Scratch {
  protected:
   // Records the frames of these numbers.
-  std::filesystem::path write(const std::vector<std::uint32_t>& numbers,
-                              std::uint32_t session = 5) {
+  std::filesystem::path write(const std::vector<std::uint32_t>& numbers, std::uint32_t session = 5,
+                              std::chrono::milliseconds sync_period = std::chrono::hours(1)) {
     const auto file = folder() / "r.mcap";
     auto sink = mcap::FileSink::open(file, mcap::FileSink::Existing::kReplace);
     EXPECT_TRUE(sink);
-    auto recorder = recording::Recorder::start(*sink, {.library = "test"});
+    auto recorder =
+        recording::Recorder::start(*sink, {.library = "test", .sync_period = sync_period});
     EXPECT_TRUE(recorder);
     (*recorder)->put(mcap::Metadata{.name = "stof", .entries = {{"device_id", "3"}}});
     for (const std::uint32_t number : numbers) {
@@ -119,6 +124,45 @@ TEST_F(RecordingTest, FramesComeBackBitForBit) {
   EXPECT_EQ(reader->sights().health.front().second.uptime_ms, 77U);
   ASSERT_EQ(reader->sights().events.size(), 1U);
   EXPECT_EQ(reader->sights().events.front().second.sequence, 4U);
+}
+
+TEST_F(RecordingTest, FramesFromAnyTimeOnAreThoseOfTheWholeFile) {
+  std::vector<std::uint32_t> numbers;
+  for (std::uint32_t number = 10; number < 40; ++number) {
+    numbers.push_back(number);
+  }
+  // A chunk for nearly each frame, and one for all of them.
+  for (const std::chrono::milliseconds period : {0ms, 1'000'000ms}) {
+    const auto file = write(numbers, 5, period);
+    auto frames = recording::IndexedFrames::open(file);
+    ASSERT_TRUE(frames) << frames.error().message;
+    EXPECT_EQ(frames->begin_ns(), 10U);
+    EXPECT_EQ(frames->end_ns(), 1'039U);
+    ASSERT_EQ(frames->events().size(), 1U);
+    for (const std::uint64_t from : {0U, 1'039U, 1'010U, 1'020U, 1'025U}) {
+      frames->seek(from);
+      for (std::uint64_t time = std::max<std::uint64_t>(from, 1'010); time < 1'040; ++time) {
+        const auto frame = frames->next();
+        ASSERT_TRUE(frame) << from << " " << time;
+        EXPECT_EQ(frame->log_time, time);
+        EXPECT_EQ(frame->depth, Pictures(frame->stamp.number).depth);
+        EXPECT_EQ(frame->left, Pictures(frame->stamp.number).left);
+        ASSERT_TRUE(frame->calibration);
+        EXPECT_EQ(frame->calibration->image_width, kWidth);
+      }
+      EXPECT_FALSE(frames->next());
+    }
+    frames->seek(1'040);
+    EXPECT_FALSE(frames->next());
+  }
+}
+
+TEST_F(RecordingTest, AFileWithoutIndexHasNoTimesToSeek) {
+  const auto file = write({10, 11, 12});
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 1);
+  const auto frames = recording::IndexedFrames::open(file);
+  ASSERT_FALSE(frames);
+  test::expect_one_line_about(frames.error().message, file, "stof recover");
 }
 
 TEST_F(RecordingTest, SummaryCountsFramesAndGaps) {

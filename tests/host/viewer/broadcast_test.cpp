@@ -5,6 +5,9 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "host/viewer/rate_limit.h"
 
 namespace stof::viewer {
 namespace {
@@ -12,11 +15,25 @@ namespace {
 // A page, and what it has been sent.
 class Reader {
  public:
-  explicit Reader(Broadcast& all) : conversation_(all.open_conversation()) {}
+  explicit Reader(Broadcast& all, const std::string& why_not = "")
+      : conversation_(all.open_conversation(why_not)) {}
 
   bool say(std::string_view message) { return conversation_->take(message); }
-  // "" where nothing is due; "frame" and its facts, or the text.
+  // "" where nothing is due; "frame" and its facts, or the text. What says whether it may have
+  // something done is kept apart.
   std::string next() {
+    std::string text = any();
+    if (text.find("\"rights\"") != std::string::npos) {
+      rights_ = nlohmann::json::parse(text);
+      text = any();
+    }
+    return text;
+  }
+  const nlohmann::json& rights() const { return rights_; }
+  std::string ticket() const { return rights_["ticket"]; }
+
+ private:
+  std::string any() {
     std::vector<std::uint8_t> bytes{'x', 'x'};
     const std::optional<MessageKind> kind = conversation_->next(bytes);
     if (!kind) {
@@ -27,8 +44,8 @@ class Reader {
     return *kind == MessageKind::kText ? text : "frame " + text.substr(5, text.find(',', 5) - 5);
   }
 
- private:
   std::unique_ptr<Conversation> conversation_;
+  nlohmann::json rights_;
 };
 
 constexpr const char* kOneDepth = R"({"show":["depth"],"frames":1,"quiet":false})";
@@ -99,7 +116,7 @@ TEST_F(BroadcastTest, AHiddenPageGetsEventsAlone) {
   ASSERT_TRUE(page.say(kQuiet));
   EXPECT_FALSE(all_.wanted());
   all_.show(frame(1));
-  all_.tell_status("status");
+  all_.tell(Topic::kStatus, "status");
   EXPECT_EQ(page.next(), "");
   all_.tell_event("event");
   EXPECT_EQ(page.next(), "event");
@@ -112,8 +129,8 @@ TEST_F(BroadcastTest, ALaterPageGetsTheNewestStatusAndTheLastEvents) {
   for (std::size_t i = 1; i <= Broadcast::kMostEvents + 5; ++i) {
     all_.tell_event("event " + std::to_string(i));
   }
-  all_.tell_status("old");
-  all_.tell_status("new");
+  all_.tell(Topic::kStatus, "old");
+  all_.tell(Topic::kStatus, "new");
   Reader page(all_);
   EXPECT_EQ(page.next(), "hello");
   for (std::size_t i = 6; i <= Broadcast::kMostEvents + 5; ++i) {
@@ -132,6 +149,120 @@ TEST(BroadcastAgeTest, AnOldFrameIsNotServedAsANewOne) {
   std::this_thread::sleep_for(std::chrono::milliseconds(5));
   EXPECT_EQ(page.next(), "");
   EXPECT_TRUE(all.wanted());  // the next one will do
+}
+
+// What a page wants is kept, to be answered later.
+class ServingTest : public testing::Test {
+ protected:
+  std::string record(const std::string& ticket, int id = 7) {
+    return R"({"do":"record","on":true,"id":)" + std::to_string(id) + R"(,"ticket":")" + ticket +
+           "\"}";
+  }
+  nlohmann::json next_json(Reader& page) { return nlohmann::json::parse(page.next()); }
+
+  std::vector<std::pair<Wish, Answer>> wishes_;
+  int woken_ = 0;
+  Broadcast all_{"hello", std::chrono::hours(1),
+                 [this](Wish wish, Answer answer) { wishes_.emplace_back(wish, answer); },
+                 [this] { ++woken_; }};
+};
+
+TEST_F(ServingTest, AWishWithTheTicketOfItsPageIsServedAndAnswered) {
+  Reader page(all_);
+  EXPECT_EQ(page.next(), "hello");
+  EXPECT_EQ(page.next(), "");
+  EXPECT_EQ(page.rights()["may"], true);
+  ASSERT_TRUE(page.say(record(page.ticket())));
+  ASSERT_EQ(wishes_.size(), 1U);
+  EXPECT_TRUE(std::get<SetRecording>(wishes_[0].first).on);
+  EXPECT_EQ(page.next(), "");
+  wishes_[0].second(true, "begun");
+  EXPECT_EQ(woken_, 1);
+  const nlohmann::json answer = next_json(page);
+  EXPECT_EQ(answer["type"], "answer");
+  EXPECT_EQ(answer["id"], 7);
+  EXPECT_EQ(answer["done"], true);
+  EXPECT_EQ(answer["text"], "begun");
+}
+
+TEST_F(ServingTest, AWishWithoutItsTicketIsRefused) {
+  Reader page(all_);
+  Reader other(all_);
+  for (Reader* const one : {&page, &other}) {
+    one->next();
+    one->next();
+  }
+  EXPECT_NE(page.ticket(), other.ticket());
+  for (const std::string& ticket : {std::string(), std::string(32, '0'), other.ticket(),
+                                    page.ticket().substr(1), page.ticket() + "0"}) {
+    ASSERT_TRUE(page.say(record(ticket)));
+    EXPECT_EQ(next_json(page)["done"], false);
+  }
+  EXPECT_TRUE(wishes_.empty());
+}
+
+TEST_F(ServingTest, APageThatMayNotIsToldWhyAndGetsNoTicket) {
+  Reader page(all_, "it is elsewhere");
+  page.next();
+  page.next();
+  EXPECT_EQ(page.rights()["may"], false);
+  EXPECT_EQ(page.rights()["why"], "it is elsewhere");
+  EXPECT_EQ(page.ticket(), "");
+  ASSERT_TRUE(page.say(record("")));
+  EXPECT_EQ(next_json(page)["text"], "it is elsewhere");
+  EXPECT_TRUE(wishes_.empty());
+}
+
+TEST_F(ServingTest, AtMostEightWishesAreOpen) {
+  Reader page(all_);
+  page.next();
+  page.next();
+  for (int id = 0; id < Mailbox::kMostOpen; ++id) {
+    ASSERT_TRUE(page.say(record(page.ticket(), id)));
+    EXPECT_EQ(page.next(), "");
+  }
+  ASSERT_TRUE(page.say(record(page.ticket(), 8)));
+  EXPECT_EQ(next_json(page)["done"], false);
+  EXPECT_EQ(wishes_.size(), 8U);
+  wishes_[0].second(true, "");
+  page.next();
+  ASSERT_TRUE(page.say(record(page.ticket(), 9)));
+  EXPECT_EQ(wishes_.size(), 9U);
+}
+
+TEST_F(ServingTest, WhoAsksWithoutEndIsCutOff) {
+  Reader page(all_);
+  int taken = 0;
+  while (taken < 1'000'000 && page.say(record(""))) {
+    ++taken;
+  }
+  EXPECT_GE(taken, 20);  // at once
+  EXPECT_LT(taken, 1'000'000);
+}
+
+TEST_F(ServingTest, AnAnswerForAPageThatHasGoneIsNobodys) {
+  {
+    Reader page(all_);
+    page.next();
+    page.next();
+    ASSERT_TRUE(page.say(record(page.ticket())));
+  }
+  wishes_[0].second(true, "");
+  EXPECT_EQ(woken_, 0);
+}
+
+TEST(RateLimitTest, GivesSoManyAtOnceAndThenOneEachSoOften) {
+  using std::chrono::milliseconds;
+  RateLimit limit(3, milliseconds(10));
+  const RateLimit::Clock::time_point start{std::chrono::hours(1)};
+  EXPECT_TRUE(limit.take(start) && limit.take(start) && limit.take(start));
+  EXPECT_FALSE(limit.take(start));
+  EXPECT_FALSE(limit.take(start + milliseconds(9)));
+  EXPECT_TRUE(limit.take(start + milliseconds(10)));
+  EXPECT_FALSE(limit.take(start + milliseconds(10)));
+  const auto later = start + std::chrono::hours(1);
+  EXPECT_TRUE(limit.take(later) && limit.take(later) && limit.take(later));
+  EXPECT_FALSE(limit.take(later));
 }
 
 TEST_F(BroadcastTest, RefusesWhatMeansNothing) {

@@ -2,6 +2,7 @@
 """view_page_test.py COMMAND...: the server of `stof view` (COMMAND: stof) with a WebSocket client in place of a browser. STOFD
 and STOF_EMU_PAIR hold these commands, their words separated by |."""
 
+import json
 import os
 import pathlib
 import re
@@ -13,6 +14,7 @@ import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 from web_client import BINARY, Closed, Refused, WebSocket, get, request
 
@@ -50,12 +52,12 @@ class Program:
 
 
 class Sensor(Program):
-    def __init__(self, folder, port=0, name="sensor"):
+    def __init__(self, folder, *flags, port=0, name="sensor"):
         port_file = pathlib.Path(folder) / f"{name}.port"
         port_file.unlink(missing_ok=True)
         super().__init__([*STOFD, "--scene", "room:3", "--seed", "1", "--size", f"{WIDTH}x{HEIGHT}", "--pmd", "32x24", "--period-ms", "100", "--port",
                           port, "--port-file", port_file, "--set", "discovery.mdns=false", "--set", "discovery.beacon=false", "--set",
-                          "streams.grey_left=rvl", "--set", "streams.depth=rvl"], folder, name)
+                          "streams.grey_left=rvl", "--set", "streams.depth=rvl", *flags], folder, name)
         await_("the sensor's port", lambda: port_file.exists() and port_file.read_text(encoding="utf-8").endswith("\n"))
         self.port = int(port_file.read_text(encoding="utf-8"))
 
@@ -76,9 +78,17 @@ class Pages(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory(prefix="stof_")
         cls.addClassCleanup(cls.folder.cleanup)
-        cls.sensor = Sensor(cls.folder.name)
+        # Nobody's keys.
+        environment = unittest.mock.patch.dict(os.environ, {"XDG_CONFIG_HOME": cls.folder.name})
+        environment.start()
+        cls.addClassCleanup(environment.stop)
+        cls.faults = pathlib.Path(cls.folder.name) / "faults"
+        cls.recordings = pathlib.Path(cls.folder.name) / "recordings"
+        cls.recordings.mkdir()
+        cls.sensor = Sensor(cls.folder.name, "--fault-socket", cls.faults)
         cls.addClassCleanup(cls.sensor.stop)
-        cls.view = View(cls.folder.name, cls.sensor, "--http-port", "0", "--timeout", "20")
+        cls.view = View(cls.folder.name, cls.sensor, "--http-port", "0", "--timeout", "20", "--fault-socket", cls.faults, "--record-to",
+                        cls.recordings)
         cls.addClassCleanup(cls.view.stop)
         cls.port = cls.view.port
 
@@ -146,7 +156,8 @@ class Pages(unittest.TestCase):
                                 (b'{"show":["x"],"frames":1,"quiet":false}', 1008), (b'{"show":["depth"],"frames":-1,"quiet":false}', 1008),
                                 (b'{"show":"depth","frames":1,"quiet":false}', 1008), (b'{"show":[1],"frames":1,"quiet":false}', 1008),
                                 (b'{"show":[],"frames":1,"quiet":0}', 1008), (b'{"show":[],"frames":1,"quiet":true,"more":1}', 1008),
-                                (b" " * 1025, 1009), (b" " * 100_000, 1009)):
+                                (b'{"do":"format","id":1,"ticket":""}', 1008), (b'{"do":"save"}', 1008),
+                                (b'{"do":"seek","id":1,"ticket":"","to_ms":-1}', 1008), (b" " * 2049, 1009), (b" " * 100_000, 1009)):
             with self.subTest(payload[:60]), self.open() as page:
                 with self.assertRaises((Closed, ConnectionError)) as closed:
                     page.send(payload)
@@ -211,6 +222,106 @@ class Pages(unittest.TestCase):
             slow.ask("depth")
             self.assertGreaterEqual(slow.frame()[0]["frame"], newest)  # what came meanwhile was never sent
             self.assertLess(first, second)
+
+    def test_what_a_page_wants_takes_its_ticket_and_an_origin(self):
+        change = {"settings": {"streams.cloud_step": 16}}
+        with self.open() as page, self.open() as other:
+            self.assertNotEqual(page.message("rights")["ticket"], other.message("rights")["ticket"])
+            foreign = "0" * 32
+            for wrong in ("", foreign):
+                answer = page.wish("set", wrong, 3, **change)
+                self.assertEqual((answer["id"], answer["done"]), (3, False))
+        with self.open(origin="") as page:
+            rights = page.message("rights")
+            self.assertEqual((rights["may"], rights["ticket"]), (False, ""))
+            self.assertFalse(page.wish("set", "", **change)["done"])
+        with self.open() as page:
+            self.assertIn("load it again", page.wish("set", foreign, **change)["text"])
+            self.assertEqual(self.setting("streams.cloud_step"), "8")
+            with self.assertRaises((Closed, ConnectionError)):
+                for number in range(10_000):
+                    page.want("save", foreign, number)
+                while True:
+                    page.receive()
+
+    def setting(self, path):
+        return subprocess.run([*COMMAND, "config", f"127.0.0.1:{self.sensor.port}", "get", path], capture_output=True, text=True,
+                              timeout=ENOUGH_S, check=True).stdout.strip()
+
+    def test_settings_are_changed_by_one_request_and_refused_in_the_sensors_words(self):
+        with self.open() as page:
+            page.message("status")  # it knows by then where the sensor is
+            page.message("status")
+            answer = page.wish("settings")
+            self.assertTrue(answer["done"], answer)
+            with self.open() as late:  # whoever comes later has it, too
+                settings = late.message("settings")
+            self.assertEqual((settings["problem"], settings["doubt"], settings["role"]), ("", "", "anybody"))
+            self.assertEqual(json.loads(settings["schema"])["properties"]["streams"]["properties"]["cloud_step"]["maximum"], 64)
+            answer = page.wish("set", number=9, settings={"streams.cloud_step": 32, "streams.parity": True})
+            self.assertTrue(answer["done"], answer)
+            self.assertRegex(answer["text"], r"^revision \d+.*in force")
+            self.assertEqual((self.setting("streams.cloud_step"), self.setting("streams.parity")), ("32", "true"))
+            for refused, words in (({"streams.cloud_step": 1}, "streams.cloud_step: takes 2 to 64"), ({"moon": 1}, "moon"),
+                                   ({"streams.cloud_step": 8, "depth.preset": "quality"}, "depth.preset"), ({"name": "x"}, "name")):
+                answer = page.wish("set", settings=refused)
+                self.assertFalse(answer["done"])
+                self.assertIn(words, answer["text"])
+            self.assertEqual(self.setting("streams.cloud_step"), "32")  # none of it
+            self.assertFalse(page.wish("save")["done"])
+            self.assertTrue(page.wish("set", settings={"streams.cloud_step": 8, "streams.parity": False})["done"])
+
+    def test_a_fault_is_given_by_page_and_command_line(self):
+        def active(page):
+            return [one["name"] for one in (page.message("status")["health"] or {"active": []})["active"]]
+
+        with self.open() as page:
+            self.assertTrue(page.wish("fault", device="pmd", kind="vanish", edges=0)["done"])
+            while "pmd_lost" not in active(page):
+                pass
+            pmd = next(one for one in page.message("faults")["devices"] if one["device"] == "pmd")
+            self.assertEqual((pmd["now"], pmd["edges"]), ("vanish", 0))
+            self.assertTrue(page.wish("fault", device="pmd", kind="none", edges=0)["done"])
+            while "pmd_lost" in active(page):
+                pass
+            answer = page.wish("fault", device="stereo", kind="dark", edges=0)
+            self.assertFalse(answer["done"])
+            self.assertIn("no such fault of stereo", answer["text"])
+
+        def fault(*words):
+            ended = subprocess.run([*COMMAND, "fault", *map(str, words)], capture_output=True, text=True, timeout=ENOUGH_S, check=False)
+            self.assertEqual(ended.stderr.count("\n"), 0 if ended.returncode == 0 else 1, ended.stderr)
+            return ended.returncode, ended.stdout + ended.stderr
+
+        self.assertEqual(self.faults.stat().st_mode & 0o777, 0o600)
+        self.assertEqual(fault(self.faults, "pmd:dark:1000000"), (0, unittest.mock.ANY))
+        code, said = fault(self.faults, "--json")
+        self.assertEqual(code, 0)
+        self.assertEqual({one["device"]: one["fault"] for one in json.loads(said)}, {"trigger": "none", "stereo": "none", "pmd": "dark"})
+        self.assertEqual(fault(self.faults, "pmd:none")[0], 0)
+        for words, code, what in (((self.faults, "moon:drop"), 2, "no such device"), ((self.faults, "pmd:drop:0"), 2, "EDGES"),
+                                  ((self.faults, "x" * 300), 2, "256 bytes"), ((self.recordings / "none", ), 1, "no emulated sensor")):
+            self.assertEqual(fault(*words), (code, unittest.mock.ANY))
+            self.assertIn(what, fault(*words)[1])
+
+    def test_a_page_records(self):
+        with self.open() as page:
+            self.assertTrue(page.wish("record", on=True)["done"])
+            self.assertFalse(page.wish("record", on=True)["done"])  # it does already
+            while (state := page.message("recording"))["frames"] < 3:
+                self.assertEqual((state["on"], state["problem"]), (True, ""))
+            self.assertTrue(page.wish("record", on=False)["done"])
+            while (state := page.message("recording"))["on"]:
+                pass
+            file = pathlib.Path(state["file"])
+            self.assertEqual(file.parent, self.recordings)
+            self.assertFalse(page.wish("seek", to_ms=0)["done"])
+
+            def info():
+                return subprocess.run([*COMMAND, "info", file, "--json"], capture_output=True, text=True, timeout=ENOUGH_S, check=False)
+
+            await_("the file's end", lambda: info().returncode == 0)
+            self.assertGreaterEqual(json.loads(info().stdout)["frames"], 3)
 
     def test_a_hundred_pages_are_served_or_refused(self):
         open_, refused = [], 0
@@ -305,9 +416,28 @@ class Ways(unittest.TestCase):
                 self.assertGreater(len(set(planes["left"])), 10)
                 numbers.append(head["frame"])
             self.assertEqual(page.message("status")["link"], [])
+            self.assertTrue(page.wish("play", on=False)["done"])
+            while (place := page.message("playback"))["playing"]:
+                pass
+            self.assertTrue(place["seekable"])
+            self.assertFalse(page.wish("settings")["done"])
+            self.assertFalse(page.wish("record", on=True)["done"])
+            shown = []
+            for to_ms in (0, 1 << 40, 0):
+                self.assertTrue(page.wish("seek", to_ms=to_ms)["done"])
+                while (place := page.message("playback"))["at_ms"] != min(to_ms, place["length_ms"]):
+                    self.assertLessEqual(place["at_ms"], place["length_ms"])
+                page.ask("depth")
+                shown.append(page.frame()[0]["frame"])
+            self.assertEqual(shown[0], shown[2])
+            self.assertLessEqual(shown[0], min(numbers))
+            self.assertGreaterEqual(shown[1], max(numbers))
+            with WebSocket(page.socket.getpeername()[1]) as later:  # what halts is there for who comes later
+                later.ask("depth")
+                self.assertEqual(later.frame()[0]["frame"], shown[2])
         view.send_signal(signal.SIGTERM)
         self.assertEqual(view.wait(ENOUGH_S), 0)
-        for flags in (["--frames", "1"], ["--headless", "x"], ["--signed"]):
+        for flags in (["--frames", "1"], ["--headless", "x"], ["--signed"], ["--lan-control"]):
             ended = subprocess.run([*COMMAND, "view", file, *flags], capture_output=True, text=True, timeout=ENOUGH_S, check=False)
             self.assertEqual((ended.returncode, ended.stderr.count("\n")), (2, 1), ended.stderr)
 

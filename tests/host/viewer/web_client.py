@@ -64,6 +64,7 @@ class WebSocket:
         self.socket.settimeout(ENOUGH_S)
         self.socket.connect(("127.0.0.1", port))
         self.received = b""
+        self.ticket = ""
         lines = [f"GET /{'?token=' + token if token else ''} HTTP/1.1", f"Host: {host}", "Upgrade: websocket", "Connection: Upgrade",
                  f"Sec-WebSocket-Key: {base64.b64encode(os.urandom(16)).decode()}", "Sec-WebSocket-Version: 13"]
         lines += [f"Sec-WebSocket-Protocol: {subprotocol}"] if subprotocol else []
@@ -132,6 +133,8 @@ class WebSocket:
                 self.send(payload, PONG)
                 continue
             assert first & 0x80 and first & 15 in (TEXT, BINARY), first
+            if first & 15 == TEXT and json.loads(payload)["type"] == "rights":
+                self.ticket = json.loads(payload)["ticket"]
             return first & 15, payload
 
     def message(self, kind):
@@ -140,6 +143,17 @@ class WebSocket:
             opcode, payload = self.receive()
             if opcode == TEXT and json.loads(payload)["type"] == kind:
                 return json.loads(payload)
+
+    def wish(self, what, ticket=None, number=1, **members):
+        """Its answer. ticket None: the page's own."""
+        self.want(what, ticket, number, **members)
+        return self.message("answer")
+
+    def want(self, what, ticket=None, number=1, **members):
+        if ticket is None:
+            self.ticket = self.ticket or self.message("rights")["ticket"]
+            ticket = self.ticket
+        self.send(json.dumps({"do": what, "id": number, "ticket": ticket, **members}).encode())
 
     def frame(self):
         """(head, {plane: bytes}) of the next frame."""

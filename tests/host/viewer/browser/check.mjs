@@ -4,6 +4,7 @@ import { createRequire } from "node:module";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { measure } from "./load.mjs";
+import { panelChecks } from "./panels.mjs";
 import { folder, readPfm, startSensor, startView, stopAll, until } from "./programs.mjs";
 
 const [modules, bin, out, loadSeconds] = process.argv.slice(2);
@@ -20,6 +21,7 @@ const complaints = [];
 async function open(address, size = wide, scheme = "light") {
   const context = await browser.newContext({ viewport: size, colorScheme: scheme });
   const page = await context.newPage();
+  page.setDefaultTimeout(60_000);
   page.on("console", (message) => {
     // This test reads the canvases, the page does not.
     const ours = /willReadFrequently|GPU stall due to ReadPixels/.test(message.text());
@@ -29,6 +31,7 @@ async function open(address, size = wide, scheme = "light") {
   page.messages = [];
   page.on("websocket", (socket) => socket.on("framereceived", ({ payload }) => {
     if (typeof payload === "string") page.messages.push(JSON.parse(payload));
+    else page.newest = JSON.parse(payload.subarray(4, 4 + payload.readUInt32LE(0)));  // the head of the newest frame
   }));
   page.begun = Date.now();
   await page.goto(address);
@@ -42,6 +45,7 @@ const shot = (page, name) => page.screenshot({ path: join(out, `${name}.png`), f
 
 // Moves the pointer to a pixel and reads what the page says of it.
 async function probe(page, x, y) {
+  await page.locator("#map").scrollIntoViewIfNeeded();
   const box = await page.locator("#map").boundingBox();
   const scale = Math.min(box.width / width, box.height / height);
   await page.mouse.move(box.x + (box.width - width * scale) / 2 + (x + 0.5) * scale, box.y + (box.height - height * scale) / 2 + (y + 0.5) * scale);
@@ -251,7 +255,8 @@ try {
   const view = await startView(bin, sensor.port);
   await until("the truth", () => { try { return readFileSync(truthFile).length > width * height * 4; } catch { return false; } });
   const rig = { address: view.address, truth: readPfm(truthFile) };
-  for (const [name, check] of Object.entries(checks)) {
+  const panels = panelChecks({ bin, flags, open, text, choose, live, shot, probe, phone });
+  for (const [name, check] of Object.entries({ ...checks, ...panels })) {
     try {
       await check(rig);
       assert.deepEqual(complaints, [], "the browser's console");

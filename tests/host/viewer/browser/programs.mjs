@@ -18,8 +18,11 @@ export async function until(what, condition) {
   }
 }
 
-function start(program, words) {
-  const child = spawn(program, words, { stdio: ["ignore", "pipe", "pipe"] });
+// Keys of nobody else.
+export const configHome = join(folder, "config");
+
+export function start(program, words) {
+  const child = spawn(program, words, { stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, XDG_CONFIG_HOME: configHome } });
   running.add(child);
   const made = { child, text: "" };
   for (const stream of [child.stdout, child.stderr]) stream.on("data", (data) => { made.text += data; });
@@ -38,8 +41,10 @@ export async function startSensor(bin, port, flags) {
   return sensor;
 }
 
+// port: of a sensor; or the name of a recording.
 export async function startView(bin, port, flags = []) {
-  const view = start(join(bin, "stof"), ["view", `127.0.0.1:${port}`, "--http-port", "0", "--timeout", "30", ...flags]);
+  const shown = typeof port === "string" ? port : `127.0.0.1:${port}`;
+  const view = start(join(bin, "stof"), ["view", shown, "--http-port", "0", "--timeout", "30", ...flags]);
   view.address = (await until("the page's address", () => view.text.match(/^page: (\S+)\n/m)))[1];
   return view;
 }

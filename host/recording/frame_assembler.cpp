@@ -1,0 +1,192 @@
+#include "host/recording/frame_assembler.h"
+
+#include <algorithm>
+
+#include "firmware/wire/bytes.h"
+#include "firmware/wire/calibration/calibration_packet.h"
+
+namespace stof::recording {
+
+client::Frame RecordedFrame::view() const {
+  client::Frame frame{.origin = origin, .stamp = stamp};
+  const auto sized = []<typename T>(const std::vector<T>& pixels, int columns, int rows) {
+    return pixels.empty() ? dsp::ImageView<const T>()
+                          : dsp::ImageView<const T>(pixels.data(), columns, rows);
+  };
+  const auto image = [&](const auto& pixels) { return sized(pixels, width, height); };
+  frame.depth = image(depth);
+  frame.interval_width = image(interval_width);
+  frame.source = image(source);
+  frame.cause = image(cause);
+  frame.received = image(received);
+  frame.left = sized(left, left_width, left_height);
+  frame.packets = packets;
+  frame.missing_packets = missing_packets;
+  frame.info = info;
+  frame.calibration = calibration;
+  return frame;
+}
+
+std::optional<RecordedFrame> FrameAssembler::take(Topic topic, const mcap::Message& message) {
+  switch (topic) {
+    case Topic::kFrameInfo:
+    case Topic::kCalibration:
+    case Topic::kHealth:
+    case Topic::kEvent: {
+      const std::optional<Packet> packet = decode_packet(message.data);
+      std::optional<RecordedFrame> ended;
+      if (!packet) {
+        ++damaged_;
+      } else if (topic == Topic::kFrameInfo) {
+        ended = std::exchange(frame_, RecordedFrame{});
+      }
+      if (packet) {
+        take_packet(topic, message, *packet);
+      }
+      return ended;
+    }
+    case Topic::kDepth:
+    case Topic::kWidth:
+    case Topic::kSource:
+    case Topic::kReceived:
+    case Topic::kLeft:
+    case Topic::kRight:
+    case Topic::kDisparity:
+    case Topic::kPmdRaw:
+      if (const std::optional<Image> image = decode_image(message.data)) {
+        if (frame_ && frame_->stamp.number == message.sequence) {
+          take_image(topic, *image);
+        }
+      } else {
+        ++damaged_;
+      }
+      return std::nullopt;
+    default:
+      return std::nullopt;  // says again what another topic says, or is not needed here
+  }
+}
+
+void FrameAssembler::take_packet(Topic topic, const mcap::Message& message, const Packet& packet) {
+  if (topic == Topic::kCalibration) {
+    if (const auto calibration = wire::read_calibration_packet(packet.payload)) {
+      calibration_ = *calibration;
+      if (frame_) {
+        frame_->calibration = *calibration;
+      }
+    }
+  } else if (topic == Topic::kHealth) {
+    if (const auto health = wire::decode_health_report(packet.payload)) {
+      sights_.health.emplace_back(message.log_time, *health);
+    }
+  } else if (topic == Topic::kEvent) {
+    if (const auto event = wire::decode_event_report(packet.payload)) {
+      sights_.events.emplace_back(message.log_time, *event);
+    }
+  } else {
+    frame_->log_time = message.log_time;
+    frame_->origin = packet.origin;
+    frame_->stamp = packet.stamp;
+    frame_->packets = packet.packets;
+    frame_->missing_packets = packet.missing_packets;
+    frame_->calibration = calibration_;
+    if (const auto info = wire::decode_frame_info(packet.payload)) {
+      frame_->info = *info;
+    }
+  }
+}
+
+// Of the cameras: of other sizes than depth.
+void FrameAssembler::take_picture(Topic topic, const Image& image) {
+  RecordedFrame& frame = *frame_;
+  const std::size_t pixels = std::size_t{image.width} * image.height;
+  if ((topic == Topic::kPmdRaw) != (image.encoding == "16UC1")) {
+    ++damaged_;
+    return;
+  }
+  if (topic == Topic::kPmdRaw) {
+    const std::size_t samples = frame.pmd.size();
+    if (image.height % samples != 0) {
+      ++damaged_;
+      return;
+    }
+    frame.pmd_width = static_cast<int>(image.width);
+    frame.pmd_height = static_cast<int>(image.height / samples);
+    const std::size_t bytes = image.data.size() / samples;
+    for (std::size_t k = 0; k < samples; ++k) {
+      frame.pmd[k].resize(pixels / samples);
+      wire::get_pixels(image.data.subspan(k * bytes, bytes), std::span(frame.pmd[k]));
+    }
+    return;
+  }
+  const bool other = !(topic == Topic::kLeft ? frame.right : frame.left).empty();
+  const int width = static_cast<int>(image.width);
+  const int height = static_cast<int>(image.height);
+  if (other && (frame.left_width != width || frame.left_height != height)) {
+    ++damaged_;
+    return;
+  }
+  frame.left_width = width;
+  frame.left_height = height;
+  std::vector<std::uint8_t>& eye = topic == Topic::kLeft ? frame.left : frame.right;
+  eye.resize(pixels);
+  wire::get_pixels(image.data, std::span(eye));
+}
+
+void FrameAssembler::take_image(Topic topic, const Image& image) {
+  RecordedFrame& frame = *frame_;
+  const std::size_t pixels = std::size_t{image.width} * image.height;
+  if (topic == Topic::kLeft || topic == Topic::kRight || topic == Topic::kPmdRaw) {
+    take_picture(topic, image);
+    return;
+  }
+  const bool first = frame.width == 0;
+  if (!first && (frame.width != static_cast<int>(image.width) ||
+                 frame.height != static_cast<int>(image.height))) {
+    ++damaged_;  // planes of one frame have one size
+    return;
+  }
+  const bool wide = topic == Topic::kDepth || topic == Topic::kWidth || topic == Topic::kDisparity;
+  if (wide != (image.encoding == "16UC1")) {
+    ++damaged_;
+    return;
+  }
+  frame.width = static_cast<int>(image.width);
+  frame.height = static_cast<int>(image.height);
+  if (topic == Topic::kReceived) {
+    frame.received.resize(pixels);
+    wire::get_pixels(image.data, std::span(frame.received));
+    return;
+  }
+  if (topic == Topic::kDisparity) {
+    std::vector<std::uint16_t> values(pixels);
+    wire::get_pixels(image.data, std::span(values));
+    frame.disparity.resize(pixels);
+    std::ranges::transform(values, frame.disparity.begin(), [](std::uint16_t value) {
+      return dsp::Disparity::from_raw(static_cast<std::int16_t>(value - 32768));
+    });
+    return;
+  }
+  const auto arrived = [&](std::uint8_t bit) {
+    frame.received.resize(pixels);
+    for (std::uint8_t& mark : frame.received) {
+      mark |= bit;
+    }
+  };
+  if (topic == Topic::kSource) {
+    frame.source.resize(pixels);
+    frame.cause.resize(pixels);
+    for (std::size_t k = 0; k < pixels; ++k) {
+      const auto value = std::to_integer<unsigned>(image.data[k]);
+      frame.source[k] = static_cast<dsp::Source>(value & 0x0FU);
+      frame.cause[k] = static_cast<dsp::Cause>(value >> 4U);
+    }
+    arrived(client::kHasSource);
+    return;
+  }
+  std::vector<dsp::QuarterMm>& plane = topic == Topic::kDepth ? frame.depth : frame.interval_width;
+  plane.resize(pixels);
+  wire::get_pixels(image.data, std::span(plane));
+  arrived(topic == Topic::kDepth ? client::kHasDepth : client::kHasWidth);
+}
+
+}  // namespace stof::recording

@@ -1,0 +1,78 @@
+// The fault panel: there for an emulated sensor that takes faults.
+import { Requests, find, make, put } from "./panels";
+
+export interface FaultsMessage { devices: { device: string; now: string; edges: number; kinds: string[] }[]; problem: string }
+
+const kindsText: Record<string, string> = {
+  drop: "drop: frames are lost",
+  delay: "delay: frames come late",
+  repeat: "repeat: the last comes again",
+  tear: "tear: half is old",
+  corrupt: "corrupt: damaged",
+  vanish: "vanish: unplugged",
+  freeze: "freeze: old pixels",
+  dark: "dark: no lamp",
+  hang: "hang: frozen until opened again",
+};
+const devicesText: Record<string, string> = { trigger: "Trigger", stereo: "Stereo pair", pmd: "PMD camera" };
+
+export class FaultPanel {
+  private devices = "";
+
+  constructor(private requests: Requests) {
+    find("fault-form").addEventListener("submit", (event) => {
+      event.preventDefault();
+      void this.give(find<HTMLSelectElement>("fault-device").value, find<HTMLSelectElement>("fault-kind").value,
+        Math.max(0, Math.floor(Number(find<HTMLInputElement>("fault-edges").value) || 0)));
+    });
+    find("fault-device").addEventListener("change", () => this.kinds());
+  }
+
+  private known: FaultsMessage["devices"] = [];
+
+  told(message: FaultsMessage): void {
+    find("faults").hidden = false;
+    this.known = message.devices;
+    if (message.problem) this.say(message.problem, true);
+    const names = message.devices.map((one) => one.device).join();
+    if (names !== this.devices) {
+      this.devices = names;
+      const select = find<HTMLSelectElement>("fault-device");
+      select.replaceChildren(...message.devices.map((one) => make("option", devicesText[one.device] ?? one.device, { value: one.device })));
+      if (message.devices.some((one) => one.device === "pmd")) select.value = "pmd";
+      this.kinds();
+    }
+    const active = message.devices.filter((one) => one.now !== "none");
+    const key = JSON.stringify(active);
+    const list = find("fault-list");
+    if (list.dataset.key === key) return;
+    list.dataset.key = key;
+    list.replaceChildren(...active.map((one) => {
+      const item = make("li");
+      const end = make("button", "End", { type: "button" });
+      end.setAttribute("aria-label", `End ${one.now} of ${devicesText[one.device] ?? one.device}`);
+      end.addEventListener("click", () => void this.give(one.device, "none", 0));
+      item.append(make("span", `${devicesText[one.device] ?? one.device}: ${one.now}${one.edges ? `, ${one.edges} edges more` : ", until it is ended"}`), end);
+      return item;
+    }));
+  }
+
+  private kinds(): void {
+    const device = find<HTMLSelectElement>("fault-device").value;
+    const kinds = this.known.find((one) => one.device === device)?.kinds ?? [];
+    const select = find<HTMLSelectElement>("fault-kind");
+    const before = select.value;
+    select.replaceChildren(...kinds.map((kind) => make("option", kindsText[kind] ?? kind, { value: kind })));
+    select.value = kinds.includes(before) ? before : kinds.includes("vanish") ? "vanish" : kinds[0] ?? "";
+  }
+
+  private say(text: string, wrong: boolean): void {
+    put("fault-said", text);
+    find("fault-said").dataset.level = wrong ? "major" : "good";
+  }
+
+  private async give(device: string, kind: string, edges: number): Promise<void> {
+    const answer = await this.requests.ask("fault", { device, kind, edges });
+    this.say(answer.done ? (kind === "none" ? "The fault has ended." : "The fault is in force: its effect is under Health and Events.") : answer.text, !answer.done);
+  }
+}

@@ -1,0 +1,160 @@
+#include "host/viewer/page_message.h"
+
+#include <algorithm>
+#include <initializer_list>
+#include <limits>
+
+#include <nlohmann/json.hpp>
+
+namespace stof::viewer {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMostName = 64;   // of a setting, a device, a fault
+constexpr std::size_t kMostText = 256;  // of a setting's value
+constexpr std::size_t kMostChanges = 64;
+
+// Exactly these members.
+bool has_only(const Json& said, std::initializer_list<const char*> names) {
+  return said.size() == names.size() &&
+         std::ranges::all_of(names, [&](const char* name) { return said.contains(name); });
+}
+
+std::optional<std::uint64_t> number_in(const Json& said, const char* name, std::uint64_t most) {
+  const Json& value = said[name];
+  if (!value.is_number_unsigned() || value.get<std::uint64_t>() > most) {
+    return std::nullopt;
+  }
+  return value.get<std::uint64_t>();
+}
+
+bool is_name(std::string_view text, std::string_view more) {
+  return !text.empty() && text.size() <= kMostName && std::ranges::all_of(text, [&](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' ||
+           more.find(c) != std::string_view::npos;
+  });
+}
+
+std::optional<Look> look_of(const Json& said) {
+  if (!has_only(said, {"show", "frames", "quiet"}) || !said["show"].is_array() ||
+      !said["quiet"].is_boolean()) {
+    return std::nullopt;
+  }
+  const auto frames = number_in(said, "frames", Look::kMostFrames);
+  if (!frames) {
+    return std::nullopt;
+  }
+  Look look{.frames = static_cast<int>(*frames), .quiet = said["quiet"].get<bool>()};
+  for (const Json& one : said["show"]) {
+    const auto* const name = one.get_ptr<const std::string*>();
+    const std::optional<Plane> plane = name == nullptr ? std::nullopt : plane_named(*name);
+    if (!plane) {
+      return std::nullopt;
+    }
+    look.planes |= *plane;
+  }
+  return look;
+}
+
+std::optional<Wish> change_of(const Json& said) {
+  const Json& settings = said["settings"];
+  if (!settings.is_object() || settings.empty() || settings.size() > kMostChanges) {
+    return std::nullopt;
+  }
+  ChangeSettings change;
+  for (const auto& [path, value] : settings.items()) {
+    const auto* const text = value.get_ptr<const std::string*>();
+    const bool fits = value.is_number_integer() || value.is_boolean() ||
+                      (text != nullptr && text->size() <= kMostText);
+    if (!is_name(path, ".-") || !fits) {
+      return std::nullopt;
+    }
+    change.assignments.push_back(path + "=" + value.dump());
+  }
+  return change;
+}
+
+std::optional<Wish> fault_of(const Json& said) {
+  const auto* const device = said["device"].get_ptr<const std::string*>();
+  const auto* const kind = said["kind"].get_ptr<const std::string*>();
+  const auto edges = number_in(said, "edges", 1'000'000);
+  if (device == nullptr || kind == nullptr || !edges || !is_name(*device, "") ||
+      !is_name(*kind, "")) {
+    return std::nullopt;
+  }
+  return GiveFault{*device + ":" + *kind + (*edges == 0 ? "" : ":" + std::to_string(*edges))};
+}
+
+template <typename Switch>
+std::optional<Wish> switch_of(const Json& said) {
+  return said["on"].is_boolean() ? std::optional<Wish>(Switch{said["on"].get<bool>()})
+                                 : std::nullopt;
+}
+
+std::optional<Wish> wish_of(const std::string& what, const Json& said) {
+  const auto has = [&](std::initializer_list<const char*> more) {
+    std::vector<const char*> all{"do", "id", "ticket"};
+    all.insert(all.end(), more);
+    return said.size() == all.size() &&
+           std::ranges::all_of(all, [&](const char* name) { return said.contains(name); });
+  };
+  if (what == "settings" && has({})) {
+    return ReadSettings{};
+  }
+  if (what == "set" && has({"settings"})) {
+    return change_of(said);
+  }
+  if (what == "save" && has({})) {
+    return SaveSettings{};
+  }
+  if (what == "faults" && has({})) {
+    return GiveFault{"list"};
+  }
+  if (what == "fault" && has({"device", "kind", "edges"})) {
+    return fault_of(said);
+  }
+  if (what == "record" && has({"on"})) {
+    return switch_of<SetRecording>(said);
+  }
+  if (what == "play" && has({"on"})) {
+    return switch_of<SetPlaying>(said);
+  }
+  if (what == "seek" && has({"to_ms"})) {
+    const auto ms = number_in(said, "to_ms", std::uint64_t{1} << 40);
+    return ms ? std::optional<Wish>(SeekTo{*ms}) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+std::optional<Request> request_of(const Json& said) {
+  const auto* const what = said["do"].get_ptr<const std::string*>();
+  if (what == nullptr || !said.contains("id") || !said.contains("ticket")) {
+    return std::nullopt;
+  }
+  const auto id = number_in(said, "id", std::numeric_limits<std::uint32_t>::max());
+  const auto* const ticket = said["ticket"].get_ptr<const std::string*>();
+  std::optional<Wish> wish = id && ticket != nullptr ? wish_of(*what, said) : std::nullopt;
+  if (!wish) {
+    return std::nullopt;
+  }
+  return Request{
+      .id = static_cast<std::uint32_t>(*id), .ticket = *ticket, .wish = *std::move(wish)};
+}
+
+}  // namespace
+
+std::optional<PageMessage> parse_page_message(std::string_view text) {
+  const Json said = Json::parse(text, nullptr, false);
+  if (!said.is_object()) {
+    return std::nullopt;
+  }
+  if (!said.contains("do")) {
+    const std::optional<Look> look = look_of(said);
+    return look ? std::optional<PageMessage>(*look) : std::nullopt;
+  }
+  std::optional<Request> request = request_of(said);
+  return request ? std::optional<PageMessage>(*std::move(request)) : std::nullopt;
+}
+
+}  // namespace stof::viewer

@@ -1,0 +1,64 @@
+#include "host/viewer/panel_messages.h"
+
+#include <nlohmann/json.hpp>
+
+namespace stof::viewer {
+namespace {
+
+// A sensor's and other programs' text may be no UTF-8.
+std::string dump_panel(const nlohmann::json& json) {
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string rights_message(const std::string& why, const std::string& ticket) {
+  return dump_panel({{"type", "rights"}, {"may", why.empty()}, {"why", why}, {"ticket", ticket}});
+}
+
+std::string answer_message(std::uint32_t id, bool done, const std::string& text) {
+  return dump_panel({{"type", "answer"}, {"id", id}, {"done", done}, {"text", text}});
+}
+
+std::string settings_message(const SettingsState& state) {
+  return dump_panel({{"type", "settings"},
+                     {"problem", state.problem},
+                     {"schema", state.schema},
+                     {"active", state.active},
+                     {"saved", state.saved},
+                     {"defaults", state.defaults},
+                     {"role", state.role},
+                     {"doubt", state.doubt}});
+}
+
+std::string faults_message(const std::vector<FaultState>& devices, const std::string& problem) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const FaultState& one : devices) {
+    all.push_back(
+        {{"device", one.device}, {"now", one.now}, {"edges", one.edges}, {"kinds", one.kinds}});
+  }
+  return dump_panel({{"type", "faults"}, {"devices", all}, {"problem", problem}});
+}
+
+std::string recording_message(const RecordingState& state) {
+  return dump_panel({{"type", "recording"},
+                     {"possible", state.possible},
+                     {"on", state.on},
+                     {"file", state.file},
+                     {"bytes", state.bytes},
+                     {"frames", state.frames},
+                     {"dropped", state.dropped},
+                     {"seconds", state.seconds},
+                     {"problem", state.problem}});
+}
+
+std::string playback_message(const PlaybackState& state) {
+  return dump_panel({{"type", "playback"},
+                     {"playing", state.playing},
+                     {"seekable", state.seekable},
+                     {"at_ms", state.at_ms},
+                     {"length_ms", state.length_ms},
+                     {"began_ms", state.began_ms}});
+}
+
+}  // namespace stof::viewer

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+// What the page's panels are told, as JSON. docs: docs/VIEWER.md.
+namespace stof::viewer {
+
+// To one page, first of all. why: it may have nothing done; empty: it may, with this ticket.
+std::string rights_message(const std::string& why, const std::string& ticket);
+std::string answer_message(std::uint32_t id, bool done, const std::string& text);
+
+struct SettingsState {
+  std::string problem{};  // one line: why they are not known; empty: they are
+  // Documents as the sensor gave them: any bytes.
+  std::string schema{};
+  std::string active{};
+  std::string saved{};
+  std::string defaults{};
+  // Who changes them: "admin", "tune", "view", by a key; "anybody": without, the harmless ones;
+  // "none": the sensor is paired, and no key is there.
+  std::string role = "none";
+  std::string doubt{};  // one line: no key is used; empty: see role
+};
+std::string settings_message(const SettingsState& state);
+
+struct FaultState {
+  std::string device{};
+  std::string now{};        // its fault; "none"
+  std::uint64_t edges = 0;  // for how many more; 0: until it is ended, or none
+  std::vector<std::string> kinds{};
+};
+// problem: one line; empty: there is none.
+std::string faults_message(const std::vector<FaultState>& devices, const std::string& problem);
+
+struct RecordingState {
+  bool possible = false;  // of a sensor, not of a recording
+  bool on = false;
+  std::string file{};  // of the last one, too
+  std::uint64_t bytes = 0;
+  std::uint64_t frames = 0;
+  std::uint64_t dropped = 0;  // frames that the disk was too slow for
+  double seconds = 0;
+  std::string problem{};  // one line: why the last one ended; empty: it was asked to
+};
+std::string recording_message(const RecordingState& state);
+
+struct PlaybackState {
+  bool playing = false;
+  bool seekable = false;        // the file has an index
+  std::uint64_t at_ms = 0;      // of the frame that was shown last, from the begin
+  std::uint64_t length_ms = 0;  // 0: not known
+  std::uint64_t began_ms = 0;   // Unix
+};
+std::string playback_message(const PlaybackState& state);
+
+}  // namespace stof::viewer
