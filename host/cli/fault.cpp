@@ -1,15 +1,16 @@
 #include "host/cli/fault.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <cstring>
 #include <ranges>
 
 #include <nlohmann/json.hpp>
 
 #include "host/cli/failure.h"
+#include "host/cli/output.h"
 #include "posix/local_socket.h"
 #include "posix/poll.h"
 
@@ -82,7 +83,9 @@ void print(const std::vector<DeviceFaults>& devices, bool json) {
     const std::string now = one.now == "none"  ? one.now
                             : one.edges == "-" ? one.now + " until it is ended"
                                                : one.now + " at " + one.edges + " edges more";
-    say(std::format("{:8} {} (it can:{})", one.device, now, kinds));
+    std::string device = one.device;
+    device.resize(std::max(device.size(), std::size_t{8}), ' ');
+    say(device + " " + now + " (it can:" + kinds + ")");
   }
 }
 
