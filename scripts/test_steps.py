@@ -77,6 +77,7 @@ def layers(log):
     count.add(unit_tests(log, "tests/scripts/security_test.py"))
     count.add(unit_tests(log, "tests/scripts/tidy_test.py"))
     count.add(unit_tests(log, "tests/scripts/packaging_test.py"))
+    count.add(unit_tests(log, "tests/scripts/ros2_folder_test.py"))
     return count
 
 

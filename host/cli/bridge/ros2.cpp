@@ -133,7 +133,7 @@ class LiveBridge {
     bridge::RobotFeed::Link link{.place = place_of(*receiver_),
                                  .statistics = receiver_->statistics()};
     if (state.silent) {
-      link.trouble = printed("no frame for %.0f s",
+      link.trouble = printed("no frame for %.1f s",
                              std::chrono::duration<double>(
                                  state.frame_age.value_or(client::Time::clock::now() - began_))
                                  .count()) +

@@ -27,7 +27,7 @@ class Reception {
   void run(const std::function<bool()>& done);
 
   client::Receiver& receiver() noexcept { return receiver_; }
-  std::string place() const { return place_of(options_, receiver_); }
+  std::string place() const { return place_of(receiver_); }
   std::uint64_t frames() const noexcept { return frames_; }
   bool silent() const noexcept { return silent_; }  // the last run() ended for want of packets
   const LinkTeller& link() const noexcept { return teller_; }

@@ -19,7 +19,7 @@ struct Message {
 
 class Sink final : public TopicSink {
  public:
-  bool wanted(Topic topic) override { return unwanted.count(topic) == 0; }
+  bool wanted(Topic topic) override { return !unwanted.contains(topic); }
   bool publish(Topic topic, recording::Buffer&& message) override {
     messages.push_back({.topic = topic, .data = std::move(message)});
     return takes;
@@ -35,17 +35,18 @@ class Sink final : public TopicSink {
 
 class RobotFeedTest : public testing::Test {
  protected:
-  RobotFeedTest() : depth(kWidth * kHeight), width(kWidth * kHeight, 8), received(width.size(), 7) {
-    for (std::size_t k = 0; k < depth.size(); ++k) {
-      depth[k] = static_cast<dsp::QuarterMm>(4000 + 4 * k);
+  RobotFeedTest()
+      : depth_(kWidth * kHeight), width_(kWidth * kHeight, 8), received_(width_.size(), 7) {
+    for (std::size_t k = 0; k < depth_.size(); ++k) {
+      depth_[k] = static_cast<dsp::QuarterMm>(4000 + 4 * k);
     }
   }
   client::Frame frame() const {
     client::Frame frame{.origin = {.device_id = 9, .session_id = 2},
                         .stamp = {.number = 1, .exposure_middle_ns = 1000}};
-    frame.depth = {depth.data(), kWidth, kHeight};
-    frame.interval_width = {width.data(), kWidth, kHeight};
-    frame.received = {received.data(), kWidth, kHeight};
+    frame.depth = {depth_.data(), kWidth, kHeight};
+    frame.interval_width = {width_.data(), kWidth, kHeight};
+    frame.received = {received_.data(), kWidth, kHeight};
     frame.info.emplace();
     frame.info->latency_ns = 500;
     frame.info->calibration_fingerprint = 7;
@@ -59,7 +60,7 @@ class RobotFeedTest : public testing::Test {
   }
   // Level and message of status k of the newest diagnostics.
   std::pair<int, std::string> status(int index) const {
-    recording::CdrReader from(sink.messages.back().data);
+    recording::CdrReader from(sink_.messages.back().data);
     from.number<std::uint64_t>();
     from.text();
     EXPECT_EQ(from.number<std::uint32_t>(), 2U);
@@ -78,19 +79,19 @@ class RobotFeedTest : public testing::Test {
     }
   }
 
-  std::vector<dsp::QuarterMm> depth;
-  std::vector<dsp::QuarterMm> width;
-  std::vector<std::uint8_t> received;
-  Sink sink;
-  RobotFeed feed{sink, {.name_space = "front", .cloud_step = 2}};
+  std::vector<dsp::QuarterMm> depth_;
+  std::vector<dsp::QuarterMm> width_;
+  std::vector<std::uint8_t> received_;
+  Sink sink_;
+  RobotFeed feed_{sink_, {.name_space = "front", .cloud_step = 2}};
 };
 
 TEST_F(RobotFeedTest, FrameIsPublishedOnceInMillimetresOfSystemTime) {
-  const std::int64_t stamp =
-      feed.show(frame(), {.first_packet_ns = 2000, .round_trip_ns = 100, .wall_offset_ns = 10'000});
+  const std::int64_t stamp = feed_.show(
+      frame(), {.first_packet_ns = 2000, .round_trip_ns = 100, .wall_offset_ns = 10'000});
   EXPECT_EQ(stamp, 11'500) << "arrival less latency, in system time";
-  ASSERT_EQ(sink.messages.size(), 3U);
-  const auto image = recording::decode_image(sink.messages[0].data);
+  ASSERT_EQ(sink_.messages.size(), 3U);
+  const auto image = recording::decode_image(sink_.messages[0].data);
   ASSERT_TRUE(image);
   EXPECT_EQ(image->header.stamp_ns, stamp);
   EXPECT_EQ(image->header.frame_id, "front_left_optical_frame");
@@ -101,29 +102,29 @@ TEST_F(RobotFeedTest, FrameIsPublishedOnceInMillimetresOfSystemTime) {
 }
 
 TEST_F(RobotFeedTest, NothingIsMadeThatNobodyReads) {
-  sink.unwanted = {{Topic::kDepth, true}, {Topic::kCameraInfo, true}, {Topic::kPoints, true}};
-  feed.show(frame(), {.first_packet_ns = 2000});
-  EXPECT_TRUE(sink.messages.empty());
+  sink_.unwanted = {{Topic::kDepth, true}, {Topic::kCameraInfo, true}, {Topic::kPoints, true}};
+  feed_.show(frame(), {.first_packet_ns = 2000});
+  EXPECT_TRUE(sink_.messages.empty());
 }
 
 TEST_F(RobotFeedTest, FrameOfAnotherCalibrationHasNoLensAndNoCloud) {
   client::Frame other = frame();
   other.calibration->fingerprint = 8;
-  feed.show(other, {.first_packet_ns = 2000});
+  feed_.show(other, {.first_packet_ns = 2000});
   other.calibration.reset();
-  feed.show(other, {.first_packet_ns = 3000});
-  EXPECT_EQ(sink.count(Topic::kDepth), 2);
-  EXPECT_EQ(sink.messages.size(), 2U);
+  feed_.show(other, {.first_packet_ns = 3000});
+  EXPECT_EQ(sink_.count(Topic::kDepth), 2);
+  EXPECT_EQ(sink_.messages.size(), 2U);
 }
 
 TEST_F(RobotFeedTest, SilenceIsStaleAndBringsNoFrame) {
-  feed.show(frame(), {.first_packet_ns = 2000});
-  sink.messages.clear();
-  feed.tell({.trouble = "no frame for 3 s"}, 77);
-  ASSERT_EQ(sink.messages.size(), 1U);
+  feed_.show(frame(), {.first_packet_ns = 2000});
+  sink_.messages.clear();
+  feed_.tell({.trouble = "no frame for 3 s"}, 77);
+  ASSERT_EQ(sink_.messages.size(), 1U);
   EXPECT_EQ(status(0), (std::pair<int, std::string>(3, "the sensor says nothing")));
   EXPECT_EQ(status(1), (std::pair<int, std::string>(3, "no frame for 3 s")));
-  feed.tell({.health = wire::HealthReport{}}, 78);
+  feed_.tell({.health = wire::HealthReport{}}, 78);
   EXPECT_EQ(status(0), (std::pair<int, std::string>(0, "good")));
   EXPECT_EQ(status(1), (std::pair<int, std::string>(0, "frames come")));
 }
@@ -131,8 +132,8 @@ TEST_F(RobotFeedTest, SilenceIsStaleAndBringsNoFrame) {
 TEST_F(RobotFeedTest, ReplayIsNoSensor) {
   client::Frame replayed = frame();
   replayed.stamp.clock = wire::ClockState::kRecorded;
-  feed.show(replayed, {.first_packet_ns = 2000});
-  feed.tell({}, 77);
+  feed_.show(replayed, {.first_packet_ns = 2000});
+  feed_.tell({}, 77);
   EXPECT_EQ(status(1), (std::pair<int, std::string>(1, "REPLAY: nothing of it is new")));
 }
 
@@ -144,14 +145,14 @@ TEST_F(RobotFeedTest, CloudShowsTheNearestOfEachBlock) {
   EXPECT_FLOAT_EQ(points[0].z_width, 0.002F);
   EXPECT_FLOAT_EQ(points[1].x, 2 * 1.002F) << "the pixel's own direction";
   // A wide interval comes nearer than a smaller depth.
-  width[6] = 400;
+  width_[6] = 400;
   ASSERT_EQ(block_cloud(frame(), 2, points), Status::kOk);
   EXPECT_FLOAT_EQ(points[0].z, 1.006F);
   // Whose width did not arrive counts by its depth; what has no depth is no point.
-  received[6] = client::kHasDepth;
+  received_[6] = client::kHasDepth;
   ASSERT_EQ(block_cloud(frame(), 2, points), Status::kOk);
   EXPECT_FLOAT_EQ(points[0].z, 1.0F);
-  depth.assign(depth.size(), dsp::kNoDepth);
+  depth_.assign(depth_.size(), dsp::kNoDepth);
   ASSERT_EQ(block_cloud(frame(), 2, points), Status::kOk);
   EXPECT_TRUE(points.empty());
 }
