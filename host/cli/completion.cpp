@@ -4,6 +4,7 @@
 
 #include "host/cli/help_text.h"
 #include "host/cli/output.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -45,15 +46,19 @@ void add_command(const CLI::App& app, const std::string& path, Script& script) {
       words += values.empty() ? "" : values + " ";
     }
     for (const std::string& name : option->get_lnames()) {
-      words += "--" + name + " ";
+      words.append("--").append(name).append(" ");
       if (option->get_items_expected_max() == 0) {
         continue;
       }
-      const std::string key = "\"" + path + " --" + name + "\"";
+      const std::string key = printed("\"%s --%s\"", path.c_str(), name.c_str());
       if (values.empty()) {
-        free += (free.empty() ? "" : " | ") + key;
+        free.append(free.empty() ? "" : " | ").append(key);
       } else {
-        script.values += "    " + key + ") words=\"" + values + "\" ;;\n";
+        script.values.append("    ")
+            .append(key)
+            .append(") words=\"")
+            .append(values)
+            .append("\" ;;\n");
       }
     }
   }
@@ -69,7 +74,7 @@ void add_command(const CLI::App& app, const std::string& path, Script& script) {
 std::string bash_completion(const CLI::App& app) {
   Script script;
   add_command(app, app.get_name(), script);
-  const std::string name = app.get_name();
+  const std::string& name = app.get_name();
   // Bash splits --flag=value at the =, which is a word of its own then.
   return "# bash completion of " + name + ", made by: " + name + " completion bash\n_" + name +
          "() {\n"

@@ -100,7 +100,7 @@ void judge_words(const CLI::App& app, std::span<char* const> words) {
                           meant_text(word, commands_of(*command)) + ": try " + path + " --help");
       }
       command = below;
-      path += " " + std::string(word);
+      path.append(" ").append(word);
     }
   }
 }

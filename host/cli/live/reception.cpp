@@ -9,6 +9,7 @@
 
 namespace stof::host {
 
+// NOLINTNEXTLINE(modernize-pass-by-value): by value the larger options of commands are sliced
 Reception::Reception(const ReceiveOptions& options, Listener listener)
     : options_(options), listener_(std::move(listener)), receiver_(open_receiver(options_)) {
   stop_on_signals();

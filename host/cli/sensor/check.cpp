@@ -29,6 +29,27 @@ void look_at(const client::Frame& frame, CheckFacts& facts) {
                             frame.calibration->fingerprint != frame.info->calibration_fingerprint;
 }
 
+// What came of it, as soon as it is over: ages count from now.
+void note_reception(Reception& reception, CheckFacts& facts) {
+  const client::Receiver& receiver = reception.receiver();
+  facts.all_places_taken = receiver.subscription() == client::Subscription::State::kFull;
+  facts.nobody_listens = facts.nobody_listens && reception.frames() == 0;
+  facts.stats.source = reception.place();
+  facts.stats.device = reception.device();
+  facts.stats.counts = receiver.statistics();
+  facts.stats.silences = reception.link().silences() + (reception.silent() ? 1U : 0U);
+  facts.stats.restarts = reception.link().restarts();
+  facts.calibration = receiver.calibration();
+  if (receiver.health()) {
+    facts.health = HealthState{.source = facts.stats.source,
+                               .report = *receiver.health(),
+                               .age = receiver.link().health_age};
+  }
+  facts.network = network_facts(receiver.fd());
+  facts.buffer = receiver.socket_buffer();
+  facts.asked_buffer = client::ReceiverOptions{}.socket_buffer;
+}
+
 bool beacon_is_heard(const CheckFacts& facts) {
   constexpr std::chrono::milliseconds kBeacons{1300};  // one comes once a second
   const auto near = client::discover({.timeout = kBeacons});
@@ -96,6 +117,7 @@ CheckFacts check_sensor(const CheckOptions& options,
     return now - *first >=
            std::chrono::duration<double>(options.seconds + (told ? 0 : options.timeout_s));
   });
+  note_reception(reception, facts);
   if (facts.clock == wire::ClockState::kRecorded) {
     facts.no_identity = "a recording is played again, which does not say";
   } else if (auto identity = ask_identity(options, reception.frames() != 0)) {
@@ -103,22 +125,6 @@ CheckFacts check_sensor(const CheckOptions& options,
   } else {
     facts.no_identity = identity.error();
   }
-  facts.all_places_taken = receiver.subscription() == client::Subscription::State::kFull;
-  facts.nobody_listens = facts.nobody_listens && reception.frames() == 0;
-  facts.stats.source = reception.place();
-  facts.stats.device = reception.device();
-  facts.stats.counts = receiver.statistics();
-  facts.stats.silences = reception.link().silences() + (reception.silent() ? 1U : 0U);
-  facts.stats.restarts = reception.link().restarts();
-  facts.calibration = receiver.calibration();
-  if (receiver.health()) {
-    facts.health = HealthState{.source = facts.stats.source,
-                               .report = *receiver.health(),
-                               .age = receiver.link().health_age};
-  }
-  facts.network = network_facts(receiver.fd());
-  facts.buffer = receiver.socket_buffer();
-  facts.asked_buffer = client::ReceiverOptions{}.socket_buffer;
   facts.beacon_heard = !facts.network.loopback && beacon_is_heard(facts);
   return facts;
 }

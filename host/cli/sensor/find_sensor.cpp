@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/cli/failure.h"
+#include "host/client/sensor_socket.h"
 #include "host/discovery/discover.h"
 
 namespace stof::host {
@@ -36,6 +37,12 @@ std::string look_for(const std::string& called) {
     throw Failure(Exit::kBadInput, called + ": " + std::to_string(found.size()) +
                                        " sensors have that name: name one by its serial number, " +
                                        found[0].serial + " or " + found[1].serial);
+  }
+  if (found.empty() && !client::resolve_sensor(called)) {
+    throw Failure(Exit::kBadInput,
+                  called +
+                      ": does not exist: no file, no sensor near and no host has that name: "
+                      "stof discover lists the sensors");
   }
   return found.empty() ? called : found.front().endpoint();
 }

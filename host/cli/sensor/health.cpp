@@ -68,7 +68,7 @@ void receive_health(const HealthOptions& options) {
                                       }
                                     }});
   reception.run([&] {
-    client::Receiver& receiver = reception.receiver();
+    const client::Receiver& receiver = reception.receiver();
     const std::optional<wire::HealthReport>& health = receiver.health();
     if (health && told != health->uptime_ms) {
       told = health->uptime_ms;

@@ -22,7 +22,7 @@ std::string identity_text(const client::FoundSensor& one) {
 }
 
 Json parsed_or_null(const std::string& document) {
-  Json json = Json::parse(document, nullptr, false);
+  const Json json = Json::parse(document, nullptr, false);
   return json.is_discarded() ? Json(nullptr) : json;
 }
 
@@ -59,7 +59,7 @@ SensorInfo read_sensor_info(const ReceiveOptions& options) {
   std::optional<client::Time> began;
   reception.run([&] {
     const client::Time now = client::Time::clock::now();
-    client::Receiver& receiver = reception.receiver();
+    const client::Receiver& receiver = reception.receiver();
     if (!began && reception.frames() != 0) {
       began = now;
     }
@@ -68,7 +68,7 @@ SensorInfo read_sensor_info(const ReceiveOptions& options) {
   if (reception.frames() == 0) {
     reception.fail();
   }
-  client::Receiver& receiver = reception.receiver();
+  const client::Receiver& receiver = reception.receiver();
   info.place = reception.place();
   info.calibration = receiver.calibration();
   if (receiver.health()) {

@@ -41,7 +41,7 @@ std::string sensor_info_text(const SensorInfo& info);
 nlohmann::ordered_json sensor_info_json(const SensorInfo& info);
 
 // Of a calibration as it is sent, for `stof info`.
-std::string calibration_line(const wire::CalibrationPacket& calibration);
-nlohmann::ordered_json calibration_json(const wire::CalibrationPacket& calibration);
+std::string calibration_line(const wire::CalibrationPacket& one);
+nlohmann::ordered_json calibration_json(const wire::CalibrationPacket& one);
 
 }  // namespace stof::host

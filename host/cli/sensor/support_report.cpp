@@ -86,13 +86,13 @@ void add_pictures(const FrameCopy& frame, Files& files) {
 void add_documents(const SupportReportOptions& options, Files& files) {
   using Document = wire::SettingsDocument;
   constexpr std::chrono::milliseconds kAttempt{300};
-  const std::pair<Document, const char*> kDocuments[] = {
+  const std::pair<Document, const char*> documents_of_settings[] = {
       {Document::kActive, "settings_active.json"},
       {Document::kSaved, "settings_saved.json"},
       {Document::kDefaults, "settings_defaults.json"}};
   auto client = client::ControlClient::open(sensor_address(options.sensor),
                                             {.timeout = kAttempt, .device_id = options.device});
-  for (const auto& [document, name] : kDocuments) {
+  for (const auto& [document, name] : documents_of_settings) {
     auto answer = client ? client->request(wire::SettingsOperation::kGet, document, {})
                          : std::unexpected(client.error());
     files[name] = answer ? std::move(answer->text) : answer.error().message + "\n";
