@@ -84,8 +84,10 @@ void add_subscription_flags(CLI::App& command, ReceiveOptions& options) {
   command.add_flag("--signed", options.signed_streams,
                    "Subscribe with your key of the sensor, and take only what it signs for "
                    "this program: nobody else can send a frame");
-  command.add_option("--keys", options.keys,
-                     "File of keys, of --signed; none: the usual one, as of stof pair");
+  command.add_option(
+      "--keys", options.keys,
+      "File of keys, of --signed and of what the page of stof view changes; none: the usual "
+      "one, as of stof pair");
   command.add_option("--device", options.device,
                      "Number of the sensor (stofd --device): only it is believed");
   command.add_option("--key", options.key,

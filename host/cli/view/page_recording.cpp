@@ -102,6 +102,7 @@ PageRecording::~PageRecording() {
 }
 
 std::expected<void, std::string> PageRecording::begin(const ReceiveOptions& receive) {
+  static_cast<void>(state());  // what came of the last one
   if (on() ||
       (ending_.valid() && ending_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)) {
     return std::unexpected(on() ? "it is recorded already"
