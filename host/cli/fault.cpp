@@ -79,9 +79,10 @@ void print(const std::vector<DeviceFaults>& devices, bool json) {
     for (const std::string& kind : one.kinds) {
       kinds += " " + kind;
     }
-    const std::string now = one.now == "none"  ? one.now
-                            : one.edges == "-" ? one.now + " until it is ended"
-                                               : one.now + " at " + one.edges + " edges more";
+    std::string now = one.now;
+    if (one.now != "none") {
+      now += one.edges == "-" ? " until it is ended" : " at " + one.edges + " edges more";
+    }
     std::printf("%-8s %s (it can:%s)\n", one.device.c_str(), now.c_str(), kinds.c_str());
   }
 }
