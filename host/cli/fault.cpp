@@ -80,9 +80,10 @@ void print(const std::vector<DeviceFaults>& devices, bool json) {
     for (const std::string& kind : one.kinds) {
       kinds += " " + kind;
     }
-    const std::string now = one.now == "none"  ? one.now
-                            : one.edges == "-" ? one.now + " until it is ended"
-                                               : one.now + " at " + one.edges + " edges more";
+    std::string now = one.now;
+    if (one.now != "none") {
+      now += one.edges == "-" ? " until it is ended" : " at " + one.edges + " edges more";
+    }
     std::string device = one.device;
     device.resize(std::max(device.size(), std::size_t{8}), ' ');
     say(device + " " + now + " (it can:" + kinds + ")");

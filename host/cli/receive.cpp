@@ -79,8 +79,10 @@ void add_key_flags(CLI::App& command, ReceiveOptions& options) {
   command.add_flag("--signed", options.signed_streams,
                    "Subscribe with your key of the sensor, and take only what it signs for "
                    "this program: nobody else can send a frame");
-  command.add_option("--keys", options.keys,
-                     "File of keys, of --signed; none: the usual one, as of stof pair");
+  command.add_option(
+      "--keys", options.keys,
+      "File of keys, of --signed and of what the page of stof view changes; none: the usual "
+      "one, as of stof pair");
   add_device_flag(command, options.device);
   command.add_option("--key", options.key,
                      "8 digits, of your key of the sensor, of --signed: only it is believed");

@@ -51,7 +51,7 @@ struct LocalOrders::Parts {
     unlink(path.c_str());
   }
 
-  void run() {
+  void run() const {
     std::array<char, kMostOrder + 1> space{};
     while (!stopping) {
       std::array<pollfd, 1> entries{{{.fd = socket.fd(), .events = POLLIN, .revents = 0}}};

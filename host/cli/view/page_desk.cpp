@@ -122,7 +122,7 @@ void PageDesk::do_settings(const viewer::Wish& wish, const viewer::Answer& answe
     said = problem.what();
   }
   // First: the answer is about what there is now.
-  viewer::SettingsState state = read_settings(shown, options_.config);
+  const viewer::SettingsState state = read_settings(shown, options_.config);
   tell(viewer::Topic::kSettings, viewer::settings_message(state));
   answer(done, said);
 }

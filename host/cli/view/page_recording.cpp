@@ -102,6 +102,7 @@ PageRecording::~PageRecording() {
 }
 
 std::expected<void, std::string> PageRecording::begin(const ReceiveOptions& receive) {
+  static_cast<void>(state());  // what came of the last one
   if (on() ||
       (ending_.valid() && ending_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)) {
     return std::unexpected(on() ? "it is recorded already"
@@ -111,8 +112,9 @@ std::expected<void, std::string> PageRecording::begin(const ReceiveOptions& rece
   if (!made) {
     return std::unexpected(made.error().message);
   }
-  auto open = std::unique_ptr<Open>(new Open{
-      .file = made->first, .sink = CountedSink(std::move(made->second)), .receive = receive});
+  std::unique_ptr<Open> open(new Open{.file = made->first,  // NOLINT: it does not move
+                                      .sink = CountedSink(std::move(made->second)),
+                                      .receive = receive});
   auto recorder = recording::Recorder::start(open->sink, {.library = program_});
   if (!recorder) {
     std::error_code none;

@@ -23,7 +23,7 @@ std::string over(const ShownSensor& sensor, const ConfigOptions& options,
 
 std::string first_line(const std::string& text) {
   std::string line = text;
-  std::replace(line.begin(), line.end(), '\n', ' ');
+  std::ranges::replace(line, '\n', ' ');
   line.erase(line.find_last_not_of(' ') + 1);
   return line;
 }

@@ -50,6 +50,7 @@ void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
   desk.config.device = receive.device;
   desk.config.key = receive.key;
   desk_ = std::make_unique<PageDesk>(std::move(desk));
+  desk_->know({.address = receive.sensor});
   if (!shown.recording) {
     recording_ = std::make_unique<PageRecording>(options.record_to, options.program);
   }

@@ -226,13 +226,13 @@ class Pages(unittest.TestCase):
     def test_what_a_page_wants_takes_its_ticket_and_an_origin(self):
         change = {"settings": {"streams.cloud_step": 16}}
         with self.open() as page, self.open() as other:
-            self.assertNotEqual(page.message("rights")["ticket"], other.message("rights")["ticket"])
+            self.assertNotEqual(page.until("rights")["ticket"], other.until("rights")["ticket"])
             foreign = "0" * 32
             for wrong in ("", foreign):
                 answer = page.wish("set", wrong, 3, **change)
                 self.assertEqual((answer["id"], answer["done"]), (3, False))
         with self.open(origin="") as page:
-            rights = page.message("rights")
+            rights = page.until("rights")
             self.assertEqual((rights["may"], rights["ticket"]), (False, ""))
             self.assertFalse(page.wish("set", "", **change)["done"])
         with self.open() as page:
@@ -417,16 +417,13 @@ class Ways(unittest.TestCase):
                 numbers.append(head["frame"])
             self.assertEqual(page.message("status")["link"], [])
             self.assertTrue(page.wish("play", on=False)["done"])
-            while (place := page.message("playback"))["playing"]:
-                pass
-            self.assertTrue(place["seekable"])
+            self.assertTrue(page.until("playback", lambda place: not place["playing"])["seekable"])
             self.assertFalse(page.wish("settings")["done"])
             self.assertFalse(page.wish("record", on=True)["done"])
             shown = []
             for to_ms in (0, 1 << 40, 0):
                 self.assertTrue(page.wish("seek", to_ms=to_ms)["done"])
-                while (place := page.message("playback"))["at_ms"] != min(to_ms, place["length_ms"]):
-                    self.assertLessEqual(place["at_ms"], place["length_ms"])
+                page.until("playback", lambda place, to=to_ms: place["at_ms"] == min(to, place["length_ms"]))
                 page.ask("depth")
                 shown.append(page.frame()[0]["frame"])
             self.assertEqual(shown[0], shown[2])

@@ -64,7 +64,7 @@ class WebSocket:
         self.socket.settimeout(ENOUGH_S)
         self.socket.connect(("127.0.0.1", port))
         self.received = b""
-        self.ticket = ""
+        self.told = {}  # the newest text message of each type
         lines = [f"GET /{'?token=' + token if token else ''} HTTP/1.1", f"Host: {host}", "Upgrade: websocket", "Connection: Upgrade",
                  f"Sec-WebSocket-Key: {base64.b64encode(os.urandom(16)).decode()}", "Sec-WebSocket-Version: 13"]
         lines += [f"Sec-WebSocket-Protocol: {subprotocol}"] if subprotocol else []
@@ -133,8 +133,9 @@ class WebSocket:
                 self.send(payload, PONG)
                 continue
             assert first & 0x80 and first & 15 in (TEXT, BINARY), first
-            if first & 15 == TEXT and json.loads(payload)["type"] == "rights":
-                self.ticket = json.loads(payload)["ticket"]
+            if first & 15 == TEXT:
+                said = json.loads(payload)
+                self.told[said["type"]] = said
             return first & 15, payload
 
     def message(self, kind):
@@ -144,6 +145,12 @@ class WebSocket:
             if opcode == TEXT and json.loads(payload)["type"] == kind:
                 return json.loads(payload)
 
+    def until(self, kind, condition=lambda told: True):
+        """The newest message of that type, which may have come already, once it is so."""
+        while kind not in self.told or not condition(self.told[kind]):
+            self.receive()
+        return self.told[kind]
+
     def wish(self, what, ticket=None, number=1, **members):
         """Its answer. ticket None: the page's own."""
         self.want(what, ticket, number, **members)
@@ -151,8 +158,7 @@ class WebSocket:
 
     def want(self, what, ticket=None, number=1, **members):
         if ticket is None:
-            self.ticket = self.ticket or self.message("rights")["ticket"]
-            ticket = self.ticket
+            ticket = self.until("rights")["ticket"]
         self.send(json.dumps({"do": what, "id": number, "ticket": ticket, **members}).encode())
 
     def frame(self):

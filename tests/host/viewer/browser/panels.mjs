@@ -63,7 +63,7 @@ export function panelChecks({ bin, flags, open, text, live, shot, probe, phone }
       assert.equal(await field(page, "depth.max_range_mm").inputValue(), "10000");
       assert.match(await apply(page), /^revision/);
       await until("all is as it was", async () => await page.locator("#settings-apply").isDisabled());
-      await page.locator("#settings-search").fill("max_range");
+      await page.locator("#settings-search").fill("grey_left");
       assert.equal(await page.locator(".field:visible").count(), 1);
       await page.context().close();
       const small = await open(address, phone, "dark");
