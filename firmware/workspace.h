@@ -15,7 +15,7 @@
 namespace stof::firmware {
 
 // Coded depth, width and source on their way out, of larger frames a piece at a time; one image's
-// values; what parity adds up. The serial line's small pictures and sectors.
+// values; what parity adds up; what is signed. The serial line's small pictures and sectors.
 constexpr std::size_t coded_bytes(const board::StereoConfig& stereo,
                                   const board::PmdConfig& pmd) noexcept {
   const auto width = static_cast<std::size_t>(stereo.width);

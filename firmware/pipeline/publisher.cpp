@@ -62,7 +62,9 @@ Publisher::Publisher(const PublisherSetup& setup, const wire::FrameSizes& sizes,
       events_(events),
       coder_(setup.origin, sizes, setup.calibration, arena, wire::FrameCoder::usual_packets(sizes)),
       health_(clock.now()),
-      raw_(setup.origin, clock) {}
+      raw_(setup.origin, clock),
+      signed_space_(arena.take<wire::DatagramBuffer>(kSignedAtOnce)),
+      signed_raw_(arena.take<wire::DatagramBuffer>(RawSender::kBurst)) {}
 
 void Publisher::set_params(const PublisherParams& params) noexcept {
   params_ = params;

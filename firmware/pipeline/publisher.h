@@ -53,6 +53,10 @@ struct PublisherTimes {
 // them; health and events beside them.
 class Publisher {
  public:
+  // Datagrams that are signed at once, for all receivers together: between two bursts the processor
+  // forgets the code, so that 8 at a time take a third longer each.
+  static constexpr std::size_t kSignedAtOnce = 64;
+
   // listener may be nullptr.
   Publisher(const PublisherSetup& setup, const wire::FrameSizes& sizes, hal::Clock& clock,
             hal::DatagramPort& port, FrameListener* listener, Events& events,
@@ -91,10 +95,6 @@ class Publisher {
   const HealthMonitor& health() const noexcept { return health_; }
 
  private:
-  // Datagrams that are signed at once, for all receivers together: between two bursts the processor
-  // forgets the code, so that 8 at a time take a third longer each.
-  static constexpr std::size_t kSignedAtOnce = 64;
-
   using Datagrams = wire::Datagrams;
   class Paced;  // a frame's datagrams on their way, spread over time
   class RawWay;
@@ -140,9 +140,9 @@ class Publisher {
   bool health_wanted_ = true;  // health for a new receiver
   PublisherTimes times_;
   wire::DatagramBuffer buffer_{};
-  std::array<wire::DatagramBuffer, kSignedAtOnce> signed_space_{};
+  std::span<wire::DatagramBuffer> signed_space_;
+  std::span<wire::DatagramBuffer> signed_raw_;  // RawSender::kBurst of them
   std::array<std::span<const std::byte>, kSignedAtOnce> signed_{};
-  std::array<wire::DatagramBuffer, RawSender::kBurst> signed_raw_{};
 };
 
 }  // namespace stof::firmware

@@ -16,6 +16,7 @@
 #include "dsp/stereo/matcher.h"
 #include "dsp/stereo/rectify/rectifier.h"
 #include "firmware/pipeline/pipeline.h"
+#include "firmware/pipeline/publisher.h"
 #include "firmware/program/appliance.h"
 
 namespace stof::firmware {
@@ -152,6 +153,8 @@ std::size_t coded_bytes_of(const firmware::Setup& setup) {
     std::array<std::byte, 1> no_line{};
     ByteRing ring(no_line);
     SerialSender({.origin = {}, .calibration = calibration}, ring, arena);
+    arena.take<wire::DatagramBuffer>(Publisher::kSignedAtOnce);
+    arena.take<wire::DatagramBuffer>(RawSender::kBurst);
     const wire::FrameSizes sizes = sizes_of(setup);
     wire::FrameCoder({}, sizes, calibration, arena, wire::FrameCoder::usual_packets(sizes));
   });
