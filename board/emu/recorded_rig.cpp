@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <span>
-#include <thread>
 #include <utility>
 
 #include "board/emu/recorded_depth.h"
@@ -105,8 +104,7 @@ RecordedRig::RecordedRig(recording::RawReader&& reader, const dsp::Calibration& 
                          bool paced)
     : reader_(std::move(reader)),
       calibration_(calibration),
-      paced_(paced),
-      clock_(time_of(reader_.summary().first.edge_ns)) {
+      clock_(time_of(reader_.summary().first.edge_ns), paced) {
   next_ = read();  // which counts: all members are there
 }
 
@@ -155,12 +153,6 @@ Result<hal::Time> RecordedRig::pulse() noexcept {
   pmd_.taken = false;
   const hal::Time edge = time_of(now_->info.edge_ns);
   clock_.wait_until(edge);
-  if (!first_edge_) {
-    first_edge_ = edge;
-    began_ = std::chrono::steady_clock::now();
-  } else if (paced_) {
-    std::this_thread::sleep_until(began_ + (edge - *first_edge_));
-  }
   return edge;
 }
 
@@ -256,10 +248,12 @@ Replay::Verdict RecordedRig::verdict() const {
       "frames not compared: the settings that they were made with are not in the recording");
   say(counts_.other_calibration,
       "frames not compared: made with a calibration that was installed meanwhile");
+  const std::uint64_t behind = reader_.summary().other_sessions;
+  say(behind, "exposures behind a restart of the sensor were not replayed");
   say(reader_.damaged(), "damaged records left out");
   verdict.equal = counts_.equal != 0 && counts_.different == 0 && counts_.missing == 0 &&
                   counts_.unsent == 0 && failures == 0 && counts_.not_compared == 0 &&
-                  counts_.unknown_settings == 0 && counts_.other_calibration == 0 &&
+                  counts_.unknown_settings == 0 && counts_.other_calibration == 0 && behind == 0 &&
                   reader_.damaged() == 0;
   return verdict;
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 #include <cstdint>
 #include <expected>
 #include <filesystem>
@@ -10,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "board/emu/recorded_clock.h"
 #include "board/replay.h"
 #include "dsp/calib/calibration.h"
 #include "hal/borrowed_frame.h"
-#include "hal/emu/devices/clock.h"
 #include "hal/pmd_camera.h"
 #include "hal/stereo_camera.h"
 #include "hal/trigger.h"
@@ -24,7 +23,8 @@ namespace stof::board {
 // The devices of a rig that was recorded (stof record --raw). pulse() gives the next recorded edge,
 // on a clock of its own; the cameras give what they gave for it, with its stamps and numbers, and
 // kTimeout where a picture was lost. `paced`: on this machine's clock an edge follows the first one
-// after the time that it did; else at once. Allocates while it runs.
+// after the time that it did; else at once. Exposures behind a restart of the sensor are not given:
+// the verdict says so. Allocates while it runs.
 class RecordedRig final : public Replay, public hal::Trigger {
  public:
   static std::expected<std::unique_ptr<RecordedRig>, std::string> open(
@@ -107,8 +107,7 @@ class RecordedRig final : public Replay, public hal::Trigger {
   recording::RawReader reader_;
   dsp::Calibration calibration_;
   std::vector<std::int16_t> pattern_;  // that it refers to
-  bool paced_;
-  hal::emu::Clock clock_;
+  RecordedClock clock_;
   Stereo stereo_{*this};
   Pmd pmd_{*this};
   Input now_;              // of the last edge
@@ -119,8 +118,6 @@ class RecordedRig final : public Replay, public hal::Trigger {
   std::optional<wire::RawInfo> before_;  // of the last that was read
   Sent sent_;
   Counts counts_;
-  std::optional<hal::Time> first_edge_;
-  std::chrono::steady_clock::time_point began_;
 };
 
 }  // namespace stof::board

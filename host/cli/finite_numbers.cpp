@@ -1,5 +1,6 @@
 #include "host/cli/finite_numbers.h"
 
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <string>
@@ -12,8 +13,11 @@ std::string problem_of_number(const std::string& text) {
   return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "takes a number, not " + text;
 }
 
+// CLI11 reads by strtoull, which makes 18446744073709551611 of -5, and the largest of what is more.
 std::string problem_of_count(const std::string& text) {
-  return text.starts_with('-') ? "takes a number that is not negative, not " + text : "";
+  errno = 0;
+  static_cast<void>(std::strtoull(text.c_str(), nullptr, 0));
+  return text.contains('-') || errno == ERANGE ? "takes a whole number from 0 on, not " + text : "";
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "board/emu/recorded_rig.h"
 
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <limits>
 #include <numeric>
@@ -40,6 +41,7 @@ struct Exposed {
   bool other_settings = false;
   std::uint32_t number = 0;   // RawInfo::number; 0: one more than before
   std::int64_t begin_ns = 0;  // of the left exposure; 0: as it should be
+  std::uint32_t session = 4;
 };
 
 class RecordedRigTest : public Scratch {
@@ -80,7 +82,7 @@ class RecordedRigTest : public Scratch {
   }
 
   static client::Frame frame_of(std::size_t k, const Exposed& exposed, std::uint32_t calibration) {
-    client::Frame frame{.origin = {.device_id = 3, .session_id = 4},
+    client::Frame frame{.origin = {.device_id = 3, .session_id = exposed.session},
                         .stamp = {.number = static_cast<std::uint32_t>(k),
                                   .freshness = static_cast<std::uint32_t>(k + 100)},
                         .packets = 2};
@@ -163,8 +165,8 @@ class RecordedRigTest : public Scratch {
     return file;
   }
 
-  std::unique_ptr<board::RecordedRig> open(const std::vector<Exposed>& all) {
-    auto rig = board::RecordedRig::open(record(all), false);
+  std::unique_ptr<board::RecordedRig> open(const std::vector<Exposed>& all, bool paced = false) {
+    auto rig = board::RecordedRig::open(record(all), paced);
     EXPECT_TRUE(rig) << (rig ? "" : rig.error());
     return rig ? std::move(*rig) : nullptr;
   }
@@ -246,6 +248,34 @@ TEST_F(RecordedRigTest, TellsWhatDiffersAndWhatWasNeverReceived) {
   EXPECT_EQ(verdict.lines[0],
             "replay: 2 frames equal the recorded depth, 1 differ, the first is frame 2");
   EXPECT_NE(verdict.lines[1].find("2 exposures were never received"), std::string::npos);
+}
+
+TEST_F(RecordedRigTest, ExposuresBehindARestartAreMissing) {
+  const auto rig = open({{}, {.session = 5}, {.session = 5}});
+  ASSERT_TRUE(rig);
+  ASSERT_TRUE(rig->pulse());
+  compute(*rig, 0);
+  EXPECT_EQ(rig->next_edge(), std::nullopt);
+  const board::Replay::Verdict verdict = rig->verdict();
+  EXPECT_FALSE(verdict.equal) << "one of three was compared";
+  ASSERT_EQ(verdict.lines.size(), 2U);
+  EXPECT_EQ(verdict.lines[1],
+            "replay: 2 exposures behind a restart of the sensor were not replayed");
+}
+
+// Whoever waits in parts until the next edge, to tell its health and to end as asked, waits as long
+// as it takes; the edge itself then takes no more.
+TEST_F(RecordedRigTest, PacedWaitsLastAsLongAsTheyDid) {
+  const auto rig = open({{}, {}}, true);
+  ASSERT_TRUE(rig);
+  const auto before = std::chrono::steady_clock::now();
+  ASSERT_TRUE(rig->pulse());
+  rig->clock().wait_until(edge(0) + 20ms);
+  EXPECT_GE(std::chrono::steady_clock::now() - before, 20ms);
+  rig->clock().wait_until(edge(1));
+  EXPECT_GE(std::chrono::steady_clock::now() - before, 50ms);
+  ASSERT_TRUE(rig->pulse());
+  EXPECT_EQ(rig->clock().now(), edge(1));
 }
 
 TEST_F(RecordedRigTest, TellsChangesBeforeTheFrameThatWasMadeWithThem) {

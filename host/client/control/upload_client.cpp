@@ -33,6 +33,13 @@ ControlError contradiction() {
               "sensor"};
 }
 
+ControlError standstill() {
+  return {.status = Status::kCorrupt,
+          .message =
+              "the sensor has it begin again and again: another program with the same key puts "
+              "another file there, or the sensor keeps starting anew: end that, then try again"};
+}
+
 }  // namespace
 
 std::expected<UploadClient::Step, ControlError> UploadClient::ask(
@@ -98,8 +105,11 @@ std::expected<UploadResult, ControlError> UploadClient::upload(wire::UploadKind 
     furthest = std::max(furthest, wanted);
     const std::size_t most =
         kMostStandstills + std::size_t{furthest} / std::max<std::size_t>(step->answer.chunk, 1);
-    if (wanted > request.total || step->answer.chunk == 0 || standstills > most) {
+    if (wanted > request.total || step->answer.chunk == 0) {
       return std::unexpected(contradiction());
+    }
+    if (standstills > most) {
+      return std::unexpected(standstill());
     }
     if (progress) {
       progress(wanted, bytes.size());

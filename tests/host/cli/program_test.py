@@ -213,6 +213,18 @@ class BadInput(Program):
                     with self.subTest(f"{command} {option} {number}"):
                         self.refuse(2, [option], *command.split(), *needed, f"{option}={number}")
 
+    def test_counts_that_are_none(self):
+        """Every option that takes a whole number from 0 on, of some commands: none wraps to a huge one."""
+        commands = {"record": ["127.0.0.1:9", "a.mcap"], "view": ["127.0.0.1:9"], "export": ["a", "--to", "b", "--as", "csv"],
+                    "replay": ["a"], "update": ["--revert", "127.0.0.1:9"]}
+        for command, needed in commands.items():
+            options = re.findall(r"(?m)^  (?:-\w,)?(--[\w-]+) UINT(?! x)", self.succeed(command, "--help"))
+            self.assertGreater(len(options), 0, command)
+            for option in options:
+                for number in ("-5", "18446744073709551616"):
+                    with self.subTest(f"{command} {option} {number}"):
+                        self.refuse(2, [option, number], command, *needed, f"{option}={number}")
+
     def test_a_truncated_picture(self):
         scene = self.write_scene()
         picture = scene / "right.pgm"

@@ -255,6 +255,20 @@ TEST_F(UploadClientTest, AnswersThatContradictThemselvesEndIt) {
   }
 }
 
+// Two programs with one key: whoever begins has the sensor forget what the other one sent.
+TEST_F(UploadClientTest, AnotherFileWithTheSameKeyIsNamedAsTheReason) {
+  ControlClient other{std::make_unique<SensorOnCable>(world_),
+                      {.timeout = 1ms, .attempts = 2, .unsigned_answers = Unsigned::kAlways}};
+  UploadClient others{other, 400ms};
+  const auto done = uploads_.upload(
+      wire::UploadKind::kCalibration, file_, [&](std::size_t /*bytes*/, std::size_t /*all*/) {
+        EXPECT_TRUE(others.upload(wire::UploadKind::kCalibration, Bytes(500), {}));
+      });
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("another program with the same key"), std::string::npos)
+      << done.error().message;
+}
+
 TEST_F(UploadClientTest, GoesBack) {
   const auto done = uploads_.revert(wire::UploadKind::kCalibration);
   ASSERT_TRUE(done);
