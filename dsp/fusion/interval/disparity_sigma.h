@@ -16,7 +16,8 @@ namespace stof::dsp {
 // two thirds of its best rival's cost may as well be a wrong one, and errs by as much as wrong
 // matches do.
 using SigmaTable = std::array<std::uint8_t, 16>;
-inline constexpr SigmaTable kBlockSigma{6, 6, 6, 6, 7, 8, 9, 10, 13, 22, 48, 80, 96, 128, 160, 176};
+inline constexpr SigmaTable kBlockSigma{7,  7,  7,  7,  8,  9,   10,  11,
+                                        14, 22, 48, 80, 96, 128, 160, 176};
 // Of sums over paths: what they favour at edges is more often wrong.
 inline constexpr SigmaTable kPathSigma{8,  8,  10, 12,  14,  16,  17,  20,
                                        34, 60, 90, 112, 128, 144, 160, 176};

@@ -32,7 +32,8 @@ struct MaskRow {
 //   weak      a weak match, and no disparity
 //   edge      kPmdEdge
 //   alone     kStereo, or kResolved by kMixedPixel: the match and nothing else
-//   vague     kBoth with a disparity, kPmdEdge and a peak ratio of kVagueRatio or more
+//   vague     kBoth with a disparity and a peak ratio of kVaguestRatio or more, or of kVagueRatio
+//             where kPmdEdge
 struct PixelMasks {
   std::span<std::uint64_t> open;
   std::span<std::uint64_t> matched;

@@ -78,13 +78,15 @@ Bits mark(const MaskRow& row, std::size_t x) noexcept {
   const __m256i flags = _mm256_slli_epi16(bits(load<u8x32>(&row.support.pmd_flags[x])), 2);
   static_assert(kPmdEdge == 1 << 5);
   const std::uint64_t edge = mask(as<u8x32>(flags));
+  const u8x32 told = both & ~none;
   return {mask((equals(source, Source::kPmd) & ~narrow) | (conflict & mixed)),
           mask(published & ~alike & ~none),
           folded(row, x, mask(conflict)),
           mask(weak),
           edge,
           mask(alone),
-          mask(both & ~none & at_least(ratio, kVagueRatio)) & edge};
+          (mask(told & at_least(ratio, kVagueRatio)) & edge) |
+              mask(told & at_least(ratio, kVaguestRatio))};
 }
 
 }  // namespace

@@ -74,8 +74,8 @@ void mark(const MaskRow& row, std::size_t x, std::size_t k, Masks& masks) noexce
   masks.weak[k] = row.weak.empty() ? vdupq_n_u8(0) : vbicq_u8(none, missing(&row.weak[x]));
   masks.edge[k] = edge;
   masks.alone[k] = alone;
-  masks.vague[k] =
-      vandq_u8(vbicq_u8(vandq_u8(both, edge), none), vcgeq_u8(ratio, vdupq_n_u8(kVagueRatio)));
+  const uint8x16_t least = vbslq_u8(edge, vdupq_n_u8(kVagueRatio), vdupq_n_u8(kVaguestRatio));
+  masks.vague[k] = vandq_u8(vbicq_u8(both, none), vcgeq_u8(ratio, least));
 }
 
 }  // namespace

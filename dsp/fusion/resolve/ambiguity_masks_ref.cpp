@@ -56,8 +56,8 @@ void ambiguity_masks(const MaskRow& row, const PixelMasks& masks) noexcept {
         published && row.support.ratio[x] < kNeighbourRatio && row.disparity[x].valid();
     const bool weak = !row.weak.empty() && row.weak[x].valid() && !row.disparity[x].valid();
     const bool edge = (row.support.pmd_flags[x] & kPmdEdge) != 0;
-    const bool vague = source == Source::kBoth && row.disparity[x].valid() && edge &&
-                       row.support.ratio[x] >= kVagueRatio;
+    const bool vague = source == Source::kBoth && row.disparity[x].valid() &&
+                       row.support.ratio[x] >= (edge ? kVagueRatio : kVaguestRatio);
     const std::uint64_t bit = std::uint64_t{1} << (x % 64);
     masks.open[x / 64] |= open ? bit : 0;
     masks.matched[x / 64] |= matched ? bit : 0;

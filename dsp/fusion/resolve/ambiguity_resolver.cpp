@@ -71,6 +71,9 @@ class AmbiguityResolver {
     each_run([this](const Run& run) noexcept {
       resolve_gap(run);
       resolve_edges(run);
+      if (!row_.view.empty()) {
+        take_readings(run);
+      }
     });
     drop_wide_edges();
     folded_.each(n, [this](std::size_t x) noexcept {
@@ -256,11 +259,11 @@ class AmbiguityResolver {
             static_cast<QuarterMm>(std::min(out_.depth[x] + half, int{kMaxQuarterMm}))};
   }
 
-  // Matches that may be of the other surface of an edge of the PMD.
+  // Matches that may be of the other surface of an edge of the PMD, or of any.
   void judge_vague() noexcept {
     const std::size_t n = row_.disparity.size();
     vague_.each(n, [this](std::size_t x) noexcept {
-      if (out_.depth[x] - pmd(x).low > kMaxVagueGuess) {
+      if (edge_.has(x) && out_.depth[x] - pmd(x).low > kMaxVagueGuess) {
         drop(x, Source::kConflict, Cause::kMixedPixel);
         matched_.remove(x);
       } else {
@@ -354,7 +357,8 @@ class AmbiguityResolver {
       return;
     }
     // Whole pixels from the right neighbour, or from the left border where nothing is to the left.
-    const int reach = (step + kShadowMargin * Disparity::kOne) / Disparity::kOne;
+    const int margin = params_.wide_pmd && run.left.valid() ? kWideShadowMargin : kShadowMargin;
+    const int reach = (step + margin * Disparity::kOne) / Disparity::kOne;
     if (reach < 0) {
       return;
     }
@@ -365,11 +369,18 @@ class AmbiguityResolver {
       from = std::max(from, run.right_at - std::min(run.right_at, pixels));
     } else {
       to = std::min(to, pixels + 1);
+      from = std::max(from, run.right_at - std::min(run.right_at, std::size_t{kPullReach}));
     }
+    const int sure = step / Disparity::kOne + kShadowMargin;
     const MatchedSurface<Table> behind = surface(run.left.valid() ? run.left.raw : run.right.raw);
     for (std::size_t x = from; x < to; ++x) {
-      if (publish(x, run, behind, Source::kResolved, Cause::kOccluded) && !run.left.valid()) {
-        pull(x, out_.depth[x] * std::min(run.to_right(x), kPullReach) / kPullWay);
+      if (!publish(x, run, behind, Source::kResolved, Cause::kOccluded)) {
+        continue;
+      }
+      if (!run.left.valid()) {
+        pull(x, out_.depth[x] * run.to_right(x) / kPullWay);
+      } else if (run.to_right(x) > sure && out_.source[x] == Source::kResolved) {
+        cover_pmd(x);
       }
     }
   }
@@ -380,6 +391,7 @@ class AmbiguityResolver {
          x = weak_.next(x + 1, run.end)) {
       if (open_.has(x) && publish(x, run, surface(row_.weak[x].raw), Source::kBoth, Cause::kNone) &&
           out_.source[x] == Source::kBoth) {
+        cover_pmd(x);
         confirmed_.add(x);
       }
     }
@@ -396,6 +408,25 @@ class AmbiguityResolver {
       const int raw = run.left.raw + round_shift(step * (part * run.to_left(x)), kPartBits);
       if (publish(x, run, surface(raw), Source::kResolved, Cause::kStereoAmbiguous)) {
         pull(x, out_.depth[x] / kPullShare);
+      }
+    }
+  }
+
+  // Where the pair is there, and matches tell nothing: what the PMD read is better than the middle
+  // of its interval, and than surfaces further away where there is a match on one side at most.
+  void take_readings(const Run& run) noexcept {
+    const bool between = run.left.valid() && run.right.valid();
+    for (std::size_t x = run.begin; x < run.end; ++x) {
+      if (!open_.has(x) || out_.source[x] != Source::kPmd) {
+        continue;
+      }
+      const DepthRange seen = pmd(x);
+      const int depth = std::clamp<int>(row_.reading[x], seen.low, seen.high);
+      out_.depth[x] = static_cast<QuarterMm>(depth);
+      cover_pmd(x);
+      if (!between && !edge_.has(x) && depth - seen.low <= kMaxGuess) {
+        out_.source[x] = Source::kResolved;
+        out_.cause[x] = Cause::kStereoAmbiguous;
       }
     }
   }

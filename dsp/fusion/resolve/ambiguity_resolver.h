@@ -52,6 +52,8 @@ inline constexpr int kNarrowShare = 12;
 inline constexpr std::uint8_t kNeighbourRatio = 184;
 // At an edge of the PMD a match with a higher ratio may as well be of the other surface.
 inline constexpr std::uint8_t kVagueRatio = 144;
+// With such a ratio it may be anywhere in the PMD's interval without an edge, too.
+inline constexpr std::uint8_t kVaguestRatio = 192;
 // Where PMD pixels are wide, these contradict a match without an edge because they see several
 // surfaces whose readings differ by less than their noise. A match before what they see is believed
 // below the one ratio, 19 in 20 are right; one behind it below the other alone: with 60 a pane of
@@ -69,14 +71,17 @@ inline constexpr int kMaxSureGuess = 10000;
 // A guess between two matches of one surface is moved towards the PMD's reading by at most a 64th
 // of its depth.
 inline constexpr int kPullShare = 64;
-// One left of all matches by at most its depth times the pixels to the next match, kPullReach at
-// most, over kPullWay: who knows where the surface goes from there.
-inline constexpr int kPullReach = 48;  // px
+// One left of all matches by at most its depth times the pixels to the next match over kPullWay:
+// who knows where the surface goes from there. Beyond kPullReach the reading alone tells.
+inline constexpr int kPullReach = 56;  // px
 inline constexpr int kPullWay = 1024;
 // Neighbours this far apart, 1/16 px, are two surfaces.
 inline constexpr int kSurfaceStep = 24;
 // A hole that the nearer surface casts is as wide as the step of disparity; so much may be more.
 inline constexpr int kShadowMargin = 3;
+// The same where PMD pixels are wide: their intervals hold both surfaces, and matches end before
+// the edge of what is nearer does. Beyond kShadowMargin the interval is that of the PMD at least.
+inline constexpr int kWideShadowMargin = 24;
 
 // First, where PMD pixels are wide, a kConflict by kContradiction becomes its match, kResolved by
 // kMixedPixel, if its ratio is below kSureBeforeRatio and it lies before the PMD's interval, or
@@ -98,14 +103,21 @@ inline constexpr int kShadowMargin = 3;
 // both allow is published:
 //   L          where R is nearer by kSurfaceStep and within that step (+ kShadowMargin px) to the
 //              right: what only the left camera sees belongs to the background; kResolved,
-//              kOccluded
-//   R          where there is no L and the match lies left of the right picture: likewise
-//   weak       the pixel's own match without distinction: kBoth
+//              kOccluded. Where PMD pixels are wide, kWideShadowMargin
+//   R          where there is no L and the match lies left of the right picture, kPullReach px
+//              to the right at most: likewise
+//   weak       the pixel's own match without distinction: kBoth, its interval widened over the
+//              PMD's
 // then, with pixels that were resolved by their weak match as neighbours too:
 //   between    L and R less than kSurfaceStep apart, on the line between them; kResolved,
 //              kStereoAmbiguous
 //   nearest, then farthest of L and R (in the picture), within reach_px: where the PMD says
 //              kPmdEdge; kResolved, kMixedPixel
+//   reading    where there are a view and no L or no R, unless it is farther by more than kMaxGuess
+//              than the PMD's near end, or the PMD says kPmdEdge: the PMD's reading, with an
+//              interval over the PMD's; kResolved, kStereoAmbiguous
+// Elsewhere a kPmd that is left has its reading as its depth, with such an interval, where there
+// is a view.
 // Depths left of all matches (R where there is no L) and between two matches are moved
 // towards the reading (kPullWay, kPullShare) unless the PMD says kPmdEdge, and their intervals are
 // widened by as much.
@@ -121,7 +133,8 @@ inline constexpr int kShadowMargin = 3;
 //   or the PMD alone is left of it, and its near end is nearer by more than kMaxGuess;
 //   or its match alone is left of it, and the PMD's near end is nearer by more than kMaxSureGuess.
 // A match at an edge with a ratio of kVagueRatio or more is widened, and dropped beyond
-// kMaxVagueGuess, likewise; then it is no neighbour of others.
+// kMaxVagueGuess, likewise; then it is no neighbour of others. Elsewhere one of kVaguestRatio or
+// more is widened over the PMD's interval.
 void resolve_ambiguities(const AmbiguityRow& row, const AmbiguityParams& params,
                          const DisparityTable& table, const FusedRow& out) noexcept;
 void resolve_ambiguities(const AmbiguityRow& row, const AmbiguityParams& params,

@@ -225,7 +225,10 @@ TEST(Fuser, AWeakMatchCountsWhereThePmdAgreesAndNowhereElse) {
   Sphere near(20, 10, 8300, 1000);
   rig.fuser.fuse(stereo, &near.maps, rig.out());
   EXPECT_EQ(at(rig, 40, 20).source, Source::kBoth);
-  EXPECT_LT(at(rig, 40, 20).width, 1500);  // the PMD alone: 2000
+  const At weakly = at(rig, 40, 20);
+  EXPECT_NEAR(weakly.depth, 8000, 100);  // the match's: the PMD alone 8300
+  EXPECT_LE(weakly.depth - weakly.width / 2, 7300);
+  EXPECT_GE(weakly.depth + weakly.width / 2, 9300);
   Sphere far(20, 10, 12000, 200);
   rig.fuser.fuse(stereo, &far.maps, rig.out());
   EXPECT_EQ(at(rig, 40, 20).source, Source::kPmd);

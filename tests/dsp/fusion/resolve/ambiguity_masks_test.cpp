@@ -127,6 +127,10 @@ TEST(AmbiguityMasks, AMatchWithRivalsAtAnEdgeOfThePmdIsVague) {
   other = vague;
   other.flags = 0;
   EXPECT_FALSE(run(other).vague);
+  other.ratio = kVaguestRatio - 1;
+  EXPECT_FALSE(run(other).vague);
+  other.ratio = kVaguestRatio;
+  EXPECT_TRUE(run(other).vague);
   other = vague;
   other.disparity = Disparity::none();  // its weak match
   EXPECT_FALSE(run(other).vague);

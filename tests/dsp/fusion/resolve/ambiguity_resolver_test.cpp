@@ -8,90 +8,13 @@
 #include "dsp/calib/stereo/column_tables.h"
 #include "dsp/calib/stereo/disparity_table.h"
 #include "dsp/pmd/converter.h"
+#include "tests/dsp/fusion/resolve/resolver_row.h"
 #include "tests/support/random.h"
 
 namespace stof::dsp {
 namespace {
 
-// f b = 100 px m: 50 px are 2 m (8000), 25 px are 4 m (16000).
-constexpr StereoRig kRig{.left = {.width = 640, .height = 1, .fx = 1000, .fy = 1000},
-                         .baseline_m = 0.1};
-constexpr std::uint8_t kSure = 20;
-
-// A row of pixels before it is resolved. Everything starts as "nothing seen".
-struct Row {
-  explicit Row(std::size_t n)
-      : disparity(n),
-        weak(n),
-        stereo_low(n),
-        stereo_high(n),
-        pmd_low(n),
-        pmd_high(n),
-        reading(n),
-        ratio(n, 255),
-        flags(n),
-        depth(n),
-        width(n),
-        source(n),
-        cause(n),
-        bounds(129 * 16 + 1 + 2 * kMostHalfWidth),
-        table(make_disparity_table(kRig, -16, 40000, bounds)) {}
-
-  void match(std::size_t from, std::size_t to, int px, std::uint8_t with_ratio = kSure) {
-    for (std::size_t x = from; x < to; ++x) {
-      disparity[x] = Disparity::from_pixels(px);
-      ratio[x] = with_ratio;
-      const DepthInterval interval = table.at(disparity[x].raw, 8);
-      stereo_low[x] = interval.low;
-      stereo_high[x] = interval.high;
-    }
-  }
-  void see(std::size_t from, std::size_t to, QuarterMm low, QuarterMm high,
-           std::uint8_t with_flags = 0) {
-    for (std::size_t x = from; x < to; ++x) {
-      pmd_low[x] = low;
-      pmd_high[x] = high;
-      reading[x] = middle_of(low, high);
-      flags[x] = with_flags;
-    }
-  }
-  FusedRow out() { return {depth, width, source, cause}; }
-  void resolve(int reach_px = 1000, QuarterMm pmd_range = 0, int doubt_px = 0,
-               bool wide_pmd = false) {
-    ref::intersect({stereo_low, stereo_high}, {pmd_low, pmd_high}, {ratio, flags}, 40000, out());
-    resolve_ambiguities({.disparity = disparity,
-                         .weak = weak,
-                         .stereo = {stereo_low, stereo_high},
-                         .pmd = {pmd_low, pmd_high},
-                         .reading = reading,
-                         .support = {ratio, flags},
-                         .picture = picture},
-                        {.infinity_raw = 0,
-                         .max_range = 40000,
-                         .pmd_range = pmd_range,
-                         .reach_px = reach_px,
-                         .wide_pmd = wide_pmd,
-                         .doubt_px = doubt_px},
-                        table, out());
-  }
-  int low(std::size_t x) const { return depth[x] - width[x] / 2; }
-  int high(std::size_t x) const { return depth[x] + width[x] / 2; }
-  void expect(std::size_t x, Source want, Cause why, int near_depth) {
-    EXPECT_EQ(source[x], want) << x;
-    EXPECT_EQ(cause[x], why) << x;
-    EXPECT_NEAR(depth[x], near_depth, 0.05 * near_depth) << x;
-  }
-
-  std::vector<Disparity> disparity, weak;
-  std::vector<QuarterMm> stereo_low, stereo_high, pmd_low, pmd_high, reading;
-  std::vector<std::uint8_t> ratio, flags;
-  std::vector<std::uint8_t> picture;  // empty, or n
-  std::vector<QuarterMm> depth, width;
-  std::vector<Source> source;
-  std::vector<Cause> cause;
-  std::vector<DepthInterval> bounds;
-  DisparityTable table;
-};
+using Row = ResolverRow;
 
 TEST(AmbiguityResolver, WhatOnlyTheLeftCameraSeesBelongsToTheBackground) {
   Row row(200);
@@ -212,7 +135,8 @@ TEST(AmbiguityResolver, LeftOfTheRightPictureTheNextSurfaceGoesOn) {
   row.see(0, 200, 7000, 18000);
   std::fill_n(row.reading.begin(), 54, QuarterMm{8000});
   row.resolve();
-  row.expect(0, Source::kResolved, Cause::kOccluded, 8000);
+  row.expect(60 - kPullReach, Source::kResolved, Cause::kOccluded, 8000);
+  row.expect(60 - kPullReach - 1, Source::kPmd, Cause::kNone, 12500);  // too far from the surface
   row.expect(53, Source::kResolved, Cause::kOccluded, 8000);
   row.expect(54, Source::kPmd, Cause::kNone, 12500);  // its match would lie inside
 }
@@ -222,24 +146,25 @@ TEST(AmbiguityResolver, FartherLeftTheReadingCountsForMore) {
   row.match(60, 200, 50);  // 2 m
   row.see(0, 200, 7000, 18000);
   row.resolve();
+  constexpr std::size_t kLast = 60 - kPullReach;
   const int surface = middle_of(7467, 8616);  // a fourteenth of the parallax to either side
   EXPECT_NEAR(row.depth[52] - surface, surface * 8.0 / kPullWay, 3);
   EXPECT_NEAR(row.depth[20] - surface, surface * 40.0 / kPullWay, 3);
-  EXPECT_NEAR(row.depth[0] - surface, 1.0 * surface * kPullReach / kPullWay, 3);
-  EXPECT_LE(row.low(0), 7467);
-  EXPECT_GE(row.high(0), 8616);
+  EXPECT_NEAR(row.depth[kLast] - surface, 1.0 * surface * kPullReach / kPullWay, 3);
+  EXPECT_LE(row.low(kLast), 7467);
+  EXPECT_GE(row.high(kLast), 8616);
   row.see(0, 200, 7000, 18000, kPmdEdge);  // a mixture
   row.resolve();
-  EXPECT_NEAR(row.depth[0], surface, 3);
+  EXPECT_NEAR(row.depth[kLast], surface, 3);
 }
 
 TEST(AmbiguityResolver, AReadingNearerThanTheLimitIsTakenAsItIs) {
   Row row(200);
   row.match(60, 200, 50);
   row.see(0, 200, 7000, 18000);
-  row.reading[0] = 8000;
+  row.reading[20] = 8000;
   row.resolve();
-  EXPECT_EQ(row.depth[0], 8000);
+  EXPECT_EQ(row.depth[20], 8000);
 }
 
 // A wall of 200 at 4 m, its shadow, and from column 130 on a body of 60 at 3.3 m, whose matches
