@@ -79,6 +79,8 @@ Setup setup_of(const RigOptions& options) {
 std::size_t bytes(const Setup& setup) {
   return dsp::bytes_taken([&](dsp::Arena& arena) {
     Pipeline(setup, arena, dsp::ThreadTeam::standing_for(setup.threads));
+    arena.take<wire::DatagramBuffer>(Publisher::kSignedAtOnce);
+    arena.take<wire::DatagramBuffer>(RawSender::kBurst);
     const wire::FrameSizes sizes = sizes_of(setup);
     wire::FrameCoder({}, sizes, {}, arena, wire::FrameCoder::usual_packets(sizes));
   });
