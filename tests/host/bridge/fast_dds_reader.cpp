@@ -30,8 +30,9 @@
 // [--arrivals FILE]: reads the topics of a bridge with Fast DDS, another implementation of DDS, and
 // decodes them with Fast CDR; nothing of the project is in it. Ends when COUNT messages of each
 // topic NAME (depth/image_raw, ...) have come, or after SECONDS. Prints "ready" when all writers
-// have matched, be they gone since, and a JSON object at the end. FILE of payloads: for each message a line
-// "TYPE LENGTH", then its bytes; of arrivals: a line "NAME STAMP_NS ARRIVED_NS", system time.
+// have matched, be they gone since, and a JSON object at the end. FILE of payloads: for each
+// message a line "TYPE LENGTH", then its bytes; of arrivals: a line "NAME STAMP_NS ARRIVED_NS",
+// system time.
 namespace {
 
 namespace dds = eprosima::fastdds::dds;
