@@ -93,8 +93,9 @@ void add_bridge(CLI::App& app, BridgeOptions& options) {
   show_example(
       command, "stof bridge ros2 192.168.1.20 --namespace front",
       "Runs until it is interrupted; a sensor that is away is waited for, and diagnostics say so. "
+      "CYCLONEDDS_URI configures Cyclone DDS, as usual.\n"
       "Ends with 0 (interrupted, or the recording is over), 1 (DDS cannot be used) or 2 (bad "
-      "input). CYCLONEDDS_URI configures Cyclone DDS, as usual.");
+      "input).");
   command
       .add_option("SENSOR", options.sensor,
                   std::string(kSensorOrFile) + "; '-': listen for a sensor that sends here")

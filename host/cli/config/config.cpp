@@ -258,9 +258,7 @@ std::string act(Session& session, const std::string& action, Words words, const 
 constexpr std::array<std::string_view, 10> kNames{"get",    "set",  "stage", "commit", "revert",
                                                   "preset", "save", "reset", "diff",   "schema"};
 
-bool is_action(std::string_view word) {
-  return std::ranges::find(kNames, word) != kNames.end();
-}
+bool is_action(std::string_view word) { return std::ranges::find(kNames, word) != kNames.end(); }
 
 // A sensor may be called "get", where an action follows.
 bool names_no_sensor(Words words) {

@@ -240,8 +240,7 @@ void view(const ViewOptions& options) {
   say((options.sensor.empty() ? "listening on " : "subscribing at ") + place_of(receiver));
   PageView page;
   if (has_page(options)) {
-    page.open(options.page, options,
-              {.sensor = place_of(receiver), .scale = options.scale});
+    page.open(options.page, options, {.sensor = place_of(receiver), .scale = options.scale});
   }
   tell_port(options, receiver);
   View session(meant, receiver, page);

@@ -50,7 +50,7 @@ def start_sensor(stofd, folder, *flags, port="0"):
     file = folder / f"sensor{time.monotonic_ns()}.port"
     sensor = subprocess.Popen([*stofd, "--port", port, "--port-file", str(file), *flags], cwd=folder, stdout=subprocess.DEVNULL,
                               stderr=subprocess.DEVNULL)
-    for _ in range(600):
+    for _ in range(1200):
         if file.is_file() and file.read_text().strip():
             return sensor, "127.0.0.1:" + file.read_text().strip()
         if sensor.poll() is not None:

@@ -16,6 +16,9 @@ import unittest
 
 from bridge_support import (ENVIRONMENT, FRAME_TOPICS, TOPICS, TYPES, domain, read_by_npm, result_of, start_reader, start_sensor)
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+from udp_ports import lasting_port  # noqa: E402
+
 STOF = sys.argv[1]
 STOFD = [os.environ["STOFD"]]
 SAMPLE = os.environ["BRIDGE_SAMPLE"]
@@ -51,8 +54,8 @@ class Bridge(unittest.TestCase):
                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(bridge.communicate)
         self.addCleanup(bridge.kill)
-        listener = threading.Thread(target=lambda: self.said.extend(bridge.stdout), daemon=True)
-        listener.start()
+        self.listener = threading.Thread(target=lambda: self.said.extend(bridge.stdout), daemon=True)
+        self.listener.start()
         return bridge
 
     def read(self, name_space, counts, *more):
@@ -95,9 +98,9 @@ class Bridge(unittest.TestCase):
 
     def test_sensor_goes_and_comes_again(self):
         self.needs_reader()
-        sensor, place = self.sensor()
-        bridge = self.bridge(place, "--namespace", "front", "--mount", "base_link:0.2,0,0.3,0,0,1.5707963267948966")
         begun = time.time_ns()
+        sensor, place = self.sensor(port=str(lasting_port()))
+        bridge = self.bridge(place, "--namespace", "front", "--mount", "base_link:0.2,0,0.3,0,0,1.5707963267948966")
         arrivals = self.folder / "arrivals"
         # A reader that takes what comes without asking again is served as well, and one that comes late gets the transforms.
         told = self.read("front", dict.fromkeys(FRAME_TOPICS, 5), "--best-effort", "--arrivals", arrivals)
@@ -112,7 +115,8 @@ class Bridge(unittest.TestCase):
 
         sensor.kill()
         sensor.wait()
-        told = self.read("front", {"diagnostics": 5, "depth/image_raw": 0})
+        self.diagnostics_until("front", "front: health=3 .*front: link=3 no frame for ")
+        told = self.read("front", {"diagnostics": 3, "depth/image_raw": 0})
         self.assertEqual(told["depth/image_raw"]["count"], 0)
         self.assertIn("front: link=3 no frame for ", told["diagnostics"]["newest"])
         self.assertIn("front: health=3 ", told["diagnostics"]["newest"])
@@ -122,19 +126,20 @@ class Bridge(unittest.TestCase):
         self.diagnostics_until("front", "front: link=0 frames come")
         bridge.send_signal(signal.SIGTERM)
         self.assertEqual(bridge.wait(timeout=SECONDS), 0, self.said)
+        self.listener.join(SECONDS)
         self.assertIn("frames of sensor 1, which has started again\n", self.said)
 
     def test_recording_is_published_with_the_stamps_of_then(self):
         self.needs_reader()
+        begun = time.time_ns()
         sensor, place = self.sensor()
         file = self.folder / "file.mcap"
-        begun = time.time_ns()
-        subprocess.run([STOF, "record", place, str(file), "--frames", "30"], check=True, timeout=SECONDS, stdout=subprocess.DEVNULL)
+        subprocess.run([STOF, "record", place, str(file), "--frames", "30", "--timeout", "60"], check=True, timeout=SECONDS, stdout=subprocess.DEVNULL)
         ended = time.time_ns()
         sensor.kill()
         bridge = self.bridge(file)
         arrivals = self.folder / "arrivals"
-        told = self.read("stof", {"depth/image_raw": 10, "diagnostics": 1}, "--arrivals", arrivals)
+        told = self.read("stof", {"depth/image_raw": 5, "diagnostics": 1}, "--arrivals", arrivals)
         self.assertEqual(bridge.wait(timeout=SECONDS), 0, self.said)
         self.assertIn("stof: link=1 REPLAY: nothing of it is new", told["diagnostics"]["newest"])
         stamps = [int(line.split()[1]) for line in arrivals.read_text().splitlines() if line.startswith("depth/")]

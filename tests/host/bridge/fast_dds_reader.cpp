@@ -30,8 +30,9 @@
 // [--arrivals FILE]: reads the topics of a bridge with Fast DDS, another implementation of DDS, and
 // decodes them with Fast CDR; nothing of the project is in it. Ends when COUNT messages of each
 // topic NAME (depth/image_raw, ...) have come, or after SECONDS. Prints "ready" when all writers
-// have matched, and a JSON object at the end. FILE of payloads: for each message a line
-// "TYPE LENGTH", then its bytes; of arrivals: a line "NAME STAMP_NS ARRIVED_NS", system time.
+// have matched, be they gone since, and a JSON object at the end. FILE of payloads: for each
+// message a line "TYPE LENGTH", then its bytes; of arrivals: a line "NAME STAMP_NS ARRIVED_NS",
+// system time.
 namespace {
 
 namespace dds = eprosima::fastdds::dds;
@@ -268,7 +269,7 @@ class Topic : public dds::DataReaderListener {
   }
   void on_subscription_matched(dds::DataReader* /*reader*/,
                                const dds::SubscriptionMatchedStatus& status) override {
-    matched = status.current_count;
+    matched = status.total_count;
   }
   void on_sample_lost(dds::DataReader* /*reader*/, const dds::SampleLostStatus& status) override {
     lost = status.total_count;

@@ -22,10 +22,15 @@ import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+from udp_ports import lasting_port  # noqa: E402
 
 COMMAND = []
 STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
 OWN_NETWORK = False
+ENOUGH_S = 120
 
 
 @dataclasses.dataclass(frozen=True)
@@ -85,6 +90,10 @@ class Program(unittest.TestCase):
         scratch = tempfile.TemporaryDirectory(prefix="stof_")
         cls.addClassCleanup(scratch.cleanup)
         cls.folder = pathlib.Path(scratch.name)
+        # Nobody's keys.
+        environment = unittest.mock.patch.dict(os.environ, {"XDG_CONFIG_HOME": scratch.name})
+        environment.start()
+        cls.addClassCleanup(environment.stop)
 
     @classmethod
     def stof(cls, *words, **more):
@@ -216,11 +225,21 @@ class Sensors(Program):
                                   cwd=cls.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         cls.addClassCleanup(sensor.wait)
         cls.addClassCleanup(sensor.kill)
-        for _ in range(600):
+        for _ in range(10 * ENOUGH_S):
             if file.is_file() and file.read_text().endswith("\n"):
                 return sensor, "127.0.0.1:" + file.read_text().strip()
+            if sensor.poll() is not None:
+                break
             time.sleep(0.1)
         raise AssertionError("stofd did not start")
+
+    def answered(self, *words):
+        """JSON of a command that looks for a sensor some seconds, which may be too few on a busy computer."""
+        end = time.monotonic() + ENOUGH_S
+        while (ended := self.stof(*words)).returncode != 0 and time.monotonic() < end:
+            pass
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        return json.loads(ended.stdout)
 
     def test_nobody_there_ends_with_the_documented_code(self):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as silent:
@@ -236,7 +255,11 @@ class Sensors(Program):
         for name, verb in VERBS.items():
             for words in verb.live:
                 with self.subTest(f"{name} {words}"):
+                    end = time.monotonic() + ENOUGH_S
                     ended = self.stof(*name.split(), *words.format(s=self.place).split())
+                    # These wait for an answer as long as they were told to, and no longer.
+                    while name in ("discover", "config") and ended.returncode != 0 and time.monotonic() < end:
+                        ended = self.stof(*name.split(), *words.format(s=self.place).split())
                     # A check may find what has to be mended on a busy computer: then it says so.
                     self.assertIn(ended.returncode, (0, 1) if name == "check" else (0,), ended.stderr)
                     self.assertTrue(json.loads(ended.stdout))
@@ -251,7 +274,12 @@ class Sensors(Program):
                     self.assertTrue(json.loads(ended.stdout))
 
     def test_what_a_sensor_is_and_how_it_is(self):
-        info = json.loads(self.stof("info", self.place, "--json", *LONG.split()).stdout)
+        end = time.monotonic() + ENOUGH_S
+        while True:
+            info = json.loads(self.stof("info", self.place, "--json", *LONG.split()).stdout)
+            # What a busy sensor does not answer within a second is left out.
+            if (info["identity"] and info["settings"] and info["calibration"]) or time.monotonic() > end:
+                break
         self.assertEqual((info["identity"]["serial"], info["identity"]["name"], info["device_id"]), ("00000001", "front", 1))
         self.assertEqual(info["settings"]["period_ms"], 150)
         self.assertEqual((info["calibration"]["width"], info["calibration"]["height"]), (64, 48))
@@ -273,13 +301,21 @@ class Sensors(Program):
             self.assertTrue(one["verdict"] != "fix" or one["fix"], one)
 
     def test_a_report_holds_what_whoever_helps_asks_for_and_no_key(self):
-        ended = self.stof("report", self.place, "support.tar", "--seconds", "0.5", *LONG.split())
-        self.assertEqual(ended.returncode, 0, ended.stderr)
-        with tarfile.open(self.folder / "support.tar") as tar:
-            files = {one.name.removeprefix("stof-report/"): tar.extractfile(one).read() for one in tar.getmembers()}
-        self.assertLessEqual({"about.txt", "check.txt", "check.json", "health.json", "stats.json", "info.json", "settings_active.json",
-                              "settings_saved.json", "settings_defaults.json", "calibration.cal", "computer.json", "events.txt",
-                              "frame/depth.png"}, set(files))
+        wanted = {"about.txt", "check.txt", "check.json", "health.json", "stats.json", "info.json", "settings_active.json",
+                  "settings_saved.json", "settings_defaults.json", "calibration.cal", "computer.json", "events.txt", "frame/depth.png"}
+        end = time.monotonic() + ENOUGH_S
+        again = []
+        while True:
+            ended = self.stof("report", self.place, "support.tar", "--seconds", "0.5", *again, *LONG.split())
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+            with tarfile.open(self.folder / "support.tar") as tar:
+                files = {one.name.removeprefix("stof-report/"): tar.extractfile(one).read() for one in tar.getmembers()}
+            # What a busy sensor does not answer within a second is told in its place.
+            settings = [data for name, data in files.items() if name.startswith("settings_")]
+            if (wanted <= set(files) and all(data.startswith(b"{") for data in settings)) or time.monotonic() > end:
+                break
+            again = ["--force"]
+        self.assertLessEqual(wanted, set(files))
         for name, data in files.items():
             if name.endswith(".json"):
                 json.loads(data)
@@ -303,10 +339,10 @@ class Sensors(Program):
         self.refused(self.stof("report", self.place, "/dev/full", "--force"), 1, "/dev/full")
 
     def test_a_sensor_that_falls_silent_and_starts_again_is_told_at_once(self):
-        first, place = self.start_sensor("leaving", "--port", "0")
+        first, place = self.start_sensor("leaving", "--port", str(lasting_port()))
         watch = subprocess.Popen([*COMMAND, "health", place, "--seconds", "600", "--timeout", "120"], cwd=self.folder,
                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        measure = subprocess.Popen([*COMMAND, "stats", place, "--seconds", "600", "--timeout", "2"], cwd=self.folder,
+        measure = subprocess.Popen([*COMMAND, "stats", place, "--seconds", "600", "--timeout", "15"], cwd=self.folder,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         lines, measured = Lines(watch.stdout), Lines(measure.stdout)
         for process in (watch, measure):
@@ -315,6 +351,7 @@ class Sensors(Program):
         for said, words in ((lines, "s old"), (lines, "frames of sensor 1"), (measured, "frames of sensor 1")):
             self.assertTrue(said.wait_for(words), said.text())
         first.kill()
+        first.wait()
         silence = r"the sensor is silent, its last frame is \d+\.\d s old; last health \d+\.\d s ago: \w+"
         self.assertTrue(lines.wait_for(silence), lines.text())
         self.assertEqual(measure.wait(240), 1)
@@ -333,8 +370,8 @@ class Sensors(Program):
             self.skipTest("no network of our own here")
         for called in ("00000001", "front"):
             with self.subTest(called):
-                self.assertEqual(json.loads(self.stof("info", called, "--json", *LONG.split()).stdout)["identity"]["name"], "front")
-                self.assertEqual(json.loads(self.stof("config", called, "get", "period_ms", "--json", "--timeout", "10").stdout), 150)
+                self.assertEqual(self.answered("info", called, "--json", *LONG.split())["identity"]["name"], "front")
+                self.assertEqual(self.answered("config", called, "get", "period_ms", "--json", "--timeout", "10"), 150)
         self.refused(self.stof("info", "rear", "--timeout", "0.4"), 2, "rear")
 
 
@@ -358,7 +395,7 @@ class Lines:
     def text(self):
         return "".join(self.said)
 
-    def wait_for(self, words, seconds=120):
+    def wait_for(self, words, seconds=ENOUGH_S):
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             for line in list(self.said):
@@ -371,12 +408,22 @@ class Lines:
 def enter_own_network():
     """This process and its children have a network of their own, which is a loopback interface alone; False where that may not be."""
     new_network = 0x40000000
-    if ctypes.CDLL(None, use_errno=True).unshare(new_network) != 0:
-        return False
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as any_socket:
-        up = struct.pack("16sh14x", b"lo", 0x1 | 0x40)  # IFF_UP, IFF_RUNNING
-        fcntl.ioctl(any_socket, 0x8914, up)  # SIOCSIFFLAGS
-    return True
+    libc = ctypes.CDLL(None, use_errno=True)
+    try:
+        with open("/proc/self/ns/net", "rb") as before:
+            if libc.unshare(new_network) != 0:
+                return False
+            try:
+                with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as any_socket:
+                    up = struct.pack("16sh14x", b"lo", 0x1 | 0x40)  # IFF_UP, IFF_RUNNING
+                    fcntl.ioctl(any_socket, 0x8914, up)  # SIOCSIFFLAGS
+                return True
+            except OSError:  # it may make a network, and not change it
+                if libc.setns(before.fileno(), new_network) != 0:
+                    raise
+    except FileNotFoundError:
+        pass
+    return False
 
 
 def main():

@@ -82,7 +82,7 @@ TEST(KeptFrame, TheMemoryOfAKeptFrameIsUsedAgain) {
 
 TEST(KeptFrame, AHundredAreHeldWhileTenThousandPass) {
   stof::test::Sensor sensor;
-  stof::Sensor client = open(sensor, /*patient=*/true);
+  stof::Sensor client = open(sensor);
   subscribe(client, sensor);
   std::vector<stof::KeptFrame> kept;
   std::vector<std::vector<std::uint16_t>> was;
@@ -141,7 +141,7 @@ TEST(KeptFrame, ThreeReadersHoldOneCopy) {
     });
   }
   stof::test::Sensor sensor;
-  stof::Sensor client = open(sensor, /*patient=*/true);
+  stof::Sensor client = open(sensor);
   subscribe(client, sensor);
   send(sensor, {calibration()});
   std::vector<const void*> places;
@@ -173,7 +173,7 @@ TEST(KeptFrame, ThreeReadersHoldOneCopy) {
 // Who keeps into a frame that a reader still holds gets another one, and the reader's stays.
 TEST(KeptFrame, WhatOthersHoldIsNotWrittenTo) {
   stof::test::Sensor sensor;
-  stof::Sensor client = open(sensor, /*patient=*/true);
+  stof::Sensor client = open(sensor);
   subscribe(client, sensor);
   send(sensor, all_streams(5));
   auto frame = client.next(10s);

@@ -18,6 +18,9 @@ import unittest.mock
 
 from web_client import BINARY, Closed, Refused, WebSocket, get, request
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+from udp_ports import lasting_port  # noqa: E402
+
 COMMAND = []
 STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
 ENOUGH_S = 60
@@ -31,6 +34,10 @@ def await_(what, condition):
         if time.monotonic() > end:
             raise AssertionError(f"{what}: did not come")
         time.sleep(0.02)
+
+
+def is_done(answer):
+    return answer["done"]
 
 
 class Program:
@@ -245,51 +252,57 @@ class Pages(unittest.TestCase):
                     page.receive()
 
     def setting(self, path):
-        return subprocess.run([*COMMAND, "config", f"127.0.0.1:{self.sensor.port}", "get", path], capture_output=True, text=True,
+        return subprocess.run([*COMMAND, "config", f"127.0.0.1:{self.sensor.port}", "get", path, "--timeout", "10"], capture_output=True, text=True,
                               timeout=ENOUGH_S, check=True).stdout.strip()
+
+    def answer_when(self, page, good, what, **members):
+        """The first answer that is good: the page's program waits a second for the sensor's, and a busy machine may take more."""
+        end = time.monotonic() + ENOUGH_S
+        while not good(answer := page.wish(what, **members)) and time.monotonic() < end:
+            time.sleep(0.2)
+        self.assertTrue(good(answer), answer)
+        return answer
 
     def test_settings_are_changed_by_one_request_and_refused_in_the_sensors_words(self):
         with self.open() as page:
-            page.message("status")  # it knows by then where the sensor is
-            page.message("status")
-            answer = page.wish("settings")
-            self.assertTrue(answer["done"], answer)
+            self.answer_when(page, is_done, "settings")  # once it knows where the sensor is
             with self.open() as late:  # whoever comes later has it, too
                 settings = late.message("settings")
             self.assertEqual((settings["problem"], settings["doubt"], settings["role"]), ("", "", "anybody"))
             self.assertEqual(json.loads(settings["schema"])["properties"]["streams"]["properties"]["cloud_step"]["maximum"], 64)
-            answer = page.wish("set", number=9, settings={"streams.cloud_step": 32, "streams.parity": True})
-            self.assertTrue(answer["done"], answer)
+            answer = self.answer_when(page, is_done, "set", number=9, settings={"streams.cloud_step": 32, "streams.parity": True})
             self.assertRegex(answer["text"], r"^revision \d+.*in force")
             self.assertEqual((self.setting("streams.cloud_step"), self.setting("streams.parity")), ("32", "true"))
             for refused, words in (({"streams.cloud_step": 1}, "streams.cloud_step: takes 2 to 64"), ({"moon": 1}, "moon"),
                                    ({"streams.cloud_step": 8, "depth.preset": "quality"}, "depth.preset"), ({"name": "x"}, "name")):
-                answer = page.wish("set", settings=refused)
+                answer = self.answer_when(page, lambda answer, words=words: words in answer["text"], "set", settings=refused)
                 self.assertFalse(answer["done"])
-                self.assertIn(words, answer["text"])
             self.assertEqual(self.setting("streams.cloud_step"), "32")  # none of it
             self.assertFalse(page.wish("save")["done"])
-            self.assertTrue(page.wish("set", settings={"streams.cloud_step": 8, "streams.parity": False})["done"])
+            self.answer_when(page, is_done, "set", settings={"streams.cloud_step": 8, "streams.parity": False})
 
     def test_a_fault_is_given_by_page_and_command_line(self):
         def active(page):
             return [one["name"] for one in (page.message("status")["health"] or {"active": []})["active"]]
 
         with self.open() as page:
-            self.assertTrue(page.wish("fault", device="pmd", kind="vanish", edges=0)["done"])
+            self.answer_when(page, is_done, "fault", device="pmd", kind="vanish", edges=0)
             while "pmd_lost" not in active(page):
                 pass
-            pmd = next(one for one in page.message("faults")["devices"] if one["device"] == "pmd")
-            self.assertEqual((pmd["now"], pmd["edges"]), ("vanish", 0))
-            self.assertTrue(page.wish("fault", device="pmd", kind="none", edges=0)["done"])
+            page.until("faults", lambda told: ("pmd", "vanish", 0) in [(one["device"], one["now"], one["edges"]) for one in told["devices"]])
+            self.answer_when(page, is_done, "fault", device="pmd", kind="none", edges=0)
             while "pmd_lost" in active(page):
                 pass
-            answer = page.wish("fault", device="stereo", kind="dark", edges=0)
+            answer = self.answer_when(page, lambda answer: "no such fault of stereo" in answer["text"], "fault", device="stereo", kind="dark",
+                                      edges=0)
             self.assertFalse(answer["done"])
-            self.assertIn("no such fault of stereo", answer["text"])
 
         def fault(*words):
-            ended = subprocess.run([*COMMAND, "fault", *map(str, words)], capture_output=True, text=True, timeout=ENOUGH_S, check=False)
+            end = time.monotonic() + ENOUGH_S
+            while True:
+                ended = subprocess.run([*COMMAND, "fault", *map(str, words)], capture_output=True, text=True, timeout=ENOUGH_S, check=False)
+                if "does not answer" not in ended.stderr or time.monotonic() > end:  # within a second
+                    break
             self.assertEqual(ended.stderr.count("\n"), 0 if ended.returncode == 0 else 1, ended.stderr)
             return ended.returncode, ended.stdout + ended.stderr
 
@@ -364,7 +377,7 @@ class Ways(unittest.TestCase):
         return program
 
     def test_a_sensor_that_restarts_is_shown_again_and_a_token_keeps_others_out(self):
-        sensor = self.start(Sensor)
+        sensor = self.start(Sensor, port=lasting_port())
         view = self.start(View, sensor, "--lan", "--http-port", "0", "--timeout", "5")
         token = re.search(r"\?token=([0-9a-f]{32})$", view.addresses[0])[1]
         for wrong in ("", "0" * 32, token[:-1], token + "0"):
