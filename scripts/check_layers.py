@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/check_layers.py [ROOT]: who may include whom, and how long a file may be.
+"""scripts/check_layers.py [ROOT]: who may include whom, and how long a file or the README may be.
 
 The floors are those of docs/DESIGN.md: firmware -> board -> hal -> dsp; hal/emu and hal/linux are
 known to boards and tests alone. Prints `file:line: what: what to do` and ends with code 1 when
@@ -195,10 +195,26 @@ def judge_file(root, path):
     return found
 
 
+# A robot builder reads it in three minutes.
+FIRST_PAGE, FIRST_PAGE_LINES, FIRST_PAGE_WIDTH = "README.md", 150, 120
+
+
+def judge_first_page(root):
+    if not (root / FIRST_PAGE).is_file():
+        return []
+    lines = (root / FIRST_PAGE).read_text(encoding="utf-8").splitlines()
+    found = [f"{FIRST_PAGE}:{number}: {len(line)} characters, {FIRST_PAGE_WIDTH} are the limit: break the line"
+             for number, line in enumerate(lines, 1) if len(line) > FIRST_PAGE_WIDTH]
+    if len(lines) > FIRST_PAGE_LINES:
+        found.append(f"{FIRST_PAGE}:{FIRST_PAGE_LINES + 1}: {len(lines)} lines, {FIRST_PAGE_LINES} are the limit: "
+                     "move what a newcomer does not need to docs/")
+    return found
+
+
 def check_tree(root):
-    """Findings in all sources below root, sorted by file."""
+    """Findings in all sources below root, sorted by file, and in its first page."""
     root = pathlib.Path(root)
-    found = []
+    found = judge_first_page(root)
     for folder in FOLDERS:
         for file in sorted((root / folder).rglob("*")):
             path = file.relative_to(root).as_posix()

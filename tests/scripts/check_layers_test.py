@@ -115,6 +115,8 @@ BROKEN = {
     "another ending": ("host/bad.hpp", "#pragma once", ".hpp"),
     "a long header": ("host/bad.h", "#pragma once" + "\n" * 150 + "int f();", "151 lines"),
     "a long source": ("host/bad.cpp", "\n" * 500 + "int i;", "501 lines"),
+    "a long first page": ("README.md", "line\n" * 151, "151 lines"),
+    "a wide first page": ("README.md", "x" * 121, "121 characters"),
     "a long test": ("tests/host/bad.cpp", "\n" * 500 + "int i;", "501 lines"),
 }
 
