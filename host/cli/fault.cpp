@@ -84,9 +84,10 @@ void print(const std::vector<DeviceFaults>& devices, bool json) {
     if (one.now != "none") {
       now += one.edges == "-" ? " until it is ended" : " at " + one.edges + " edges more";
     }
-    std::string device = one.device;
-    device.resize(std::max(device.size(), std::size_t{8}), ' ');
-    say(device + " " + now + " (it can:" + kinds + ")");
+    std::string line = one.device;
+    line.resize(std::max(line.size(), std::size_t{8}), ' ');
+    line.append(" ").append(now).append(" (it can:").append(kinds).append(")");
+    say(line);
   }
 }
 

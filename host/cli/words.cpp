@@ -95,9 +95,9 @@ void judge_words(const CLI::App& app, std::span<char* const> words) {
     } else if (command->get_require_subcommand_min() > 0 && !word.starts_with("-")) {
       const CLI::App* const below = find_command(*command, word);
       if (below == nullptr) {
-        throw Failure(Exit::kBadInput,
-                      "\"" + std::string(word) + "\": " + path + " has no such command" +
-                          meant_text(word, commands_of(*command)) + ": try " + path + " --help");
+        std::string what = "\"" + std::string(word) + "\": " + path + " has no such command";
+        what.append(meant_text(word, commands_of(*command)));
+        throw Failure(Exit::kBadInput, what.append(": try ").append(path).append(" --help"));
       }
       command = below;
       path.append(" ").append(word);

@@ -36,7 +36,7 @@ stof_pixel_point to_pixel_point(const client::Frame& frame, int u, int v,
   return out;
 }
 
-stof_status status_of(Status made) noexcept {
+stof_status status_of_points(Status made) noexcept {
   return made == Status::kUnsupported ? STOF_NOT_YET : lib::to_status(made);
 }
 
@@ -64,7 +64,7 @@ stof_status stof_points(const stof_frame* frame, stof_point* points, size_t capa
                    taken->frame,
                    [&](int /*u*/, int /*v*/, const client::Point& point) { give(point); });
                made != Status::kOk) {
-      return status_of(made);
+      return status_of_points(made);
     }
     return *count > capacity ? STOF_TOO_SMALL : STOF_OK;
   });
@@ -89,7 +89,7 @@ stof_status stof_pixel_points(const stof_frame* frame, stof_pixel_point* points,
           ++*count;
         });
     if (made != Status::kOk) {
-      return status_of(made);
+      return status_of_points(made);
     }
     return *count > capacity ? STOF_TOO_SMALL : STOF_OK;
   });

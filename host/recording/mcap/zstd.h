@@ -26,8 +26,8 @@ class ZstdCompressor {
 // The most that `compressed` bytes of zstd can stand for: a block of 4 bytes is 128 KiB of one
 // value.
 constexpr std::uint64_t most_zstd_bytes(std::uint64_t compressed) noexcept {
-  constexpr std::uint64_t kMostRatio = 32768;
-  return compressed * kMostRatio;
+  constexpr std::uint64_t kZstdRatio = 32768;
+  return compressed * kZstdRatio;
 }
 
 // Whether `bytes` are zstd frames of exactly out.size() bytes, which are in `out` then. Any bytes.
