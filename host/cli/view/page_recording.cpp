@@ -12,32 +12,6 @@
 namespace stof::host {
 namespace {
 
-// Tells how much is written already, from any thread.
-class CountedSink : public mcap::ByteSink {
- public:
-  explicit CountedSink(mcap::FileSink file) : file_(std::move(file)) {}
-  std::expected<void, mcap::Problem> write(mcap::Bytes bytes) override {
-    auto done = file_.write(bytes);
-    if (done) {
-      bytes_ += bytes.size();
-    }
-    return done;
-  }
-  std::expected<void, mcap::Problem> sync() override { return file_.sync(); }
-  std::expected<void, mcap::Problem> cut_to(std::uint64_t size) override {
-    auto done = file_.cut_to(size);
-    if (done) {
-      bytes_ = size;
-    }
-    return done;
-  }
-  std::uint64_t bytes() const noexcept { return bytes_; }
-
- private:
-  mcap::FileSink file_;
-  std::atomic<std::uint64_t> bytes_{0};
-};
-
 std::string name_of_now() {
   const std::time_t now = std::time(nullptr);
   std::tm local{};
@@ -70,6 +44,32 @@ std::expected<std::pair<std::filesystem::path, mcap::FileSink>, mcap::Problem> m
 }  // namespace
 
 struct PageRecording::Open {
+  // Tells how much is written already, from any thread.
+  class CountedSink : public mcap::ByteSink {
+   public:
+    explicit CountedSink(mcap::FileSink file) : file_(std::move(file)) {}
+    std::expected<void, mcap::Problem> write(mcap::Bytes bytes) override {
+      auto done = file_.write(bytes);
+      if (done) {
+        bytes_ += bytes.size();
+      }
+      return done;
+    }
+    std::expected<void, mcap::Problem> sync() override { return file_.sync(); }
+    std::expected<void, mcap::Problem> cut_to(std::uint64_t size) override {
+      auto done = file_.cut_to(size);
+      if (done) {
+        bytes_ = size;
+      }
+      return done;
+    }
+    std::uint64_t bytes() const noexcept { return bytes_; }
+
+   private:
+    mcap::FileSink file_;
+    std::atomic<std::uint64_t> bytes_{0};
+  };
+
   std::filesystem::path file;
   CountedSink sink;
   ReceiveOptions receive;
@@ -113,7 +113,7 @@ std::expected<void, std::string> PageRecording::begin(const ReceiveOptions& rece
     return std::unexpected(made.error().message);
   }
   std::unique_ptr<Open> open(new Open{.file = made->first,  // NOLINT: it does not move
-                                      .sink = CountedSink(std::move(made->second)),
+                                      .sink = Open::CountedSink(std::move(made->second)),
                                       .receive = receive});
   auto recorder = recording::Recorder::start(open->sink, {.library = program_});
   if (!recorder) {
