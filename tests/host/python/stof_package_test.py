@@ -25,8 +25,10 @@ if __name__ == "__main__":
     support.need_numpy()
 
 sys.path.insert(0, str(support.ROOT / "host/python"))
+sys.path.insert(0, str(support.ROOT / "tests/support"))
 import numpy  # noqa: E402
 import stof  # noqa: E402
+from udp_ports import lasting_port  # noqa: E402
 
 LONG_S = 20  # a busy machine
 
@@ -325,7 +327,7 @@ class Settings(WithSensor):
             self.one_line(stof.BadArgument, sensor.set, {"a": math.nan})
 
     def test_without_a_named_sensor_it_is_not_supported(self):
-        with stof.open(bind="127.0.0.1", port=int(self.address.split(":")[1]) % 20000 + 20000) as sensor:
+        with stof.open(bind="127.0.0.1", port=lasting_port()) as sensor:
             self.one_line(stof.Unsupported, sensor.get, holds="name the sensor")
 
 
