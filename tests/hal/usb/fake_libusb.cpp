@@ -272,13 +272,14 @@ int libusb_handle_events_timeout_completed(libusb_context*, timeval* limit, int*
   const stof::hal::Time end =
       clock.now() + std::chrono::seconds(limit->tv_sec) + std::chrono::microseconds(limit->tv_usec);
   for (;;) {
+    const bool over = clock.now() >= end;  // before the last look, as poll(2) does it
     stof::test::serve();
     const std::vector<stof::test::Done> ready = std::exchange(done, {});
     for (const stof::test::Done& one : ready) {
       one.transfer->status = one.status;
       one.transfer->callback(one.transfer);
     }
-    if (!ready.empty() || *completed != 0 || clock.now() >= end) {
+    if (!ready.empty() || *completed != 0 || over) {
       return 0;
     }
     clock.wait_until(clock.now() + std::chrono::microseconds(100));
