@@ -20,18 +20,12 @@
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
 #include "host/cli/own_keys.h"
+#include "host/cli/pairing.h"
 #include "host/client/control/pair_client.h"
 #include "host/client/control/user_keys.h"
 
 namespace stof::host {
 namespace {
-
-std::string user_and_host() {
-  const char* const user = std::getenv("USER");  // NOLINT(concurrency-mt-unsafe): nobody sets one
-  std::array<char, 64> host{};
-  static_cast<void>(::gethostname(host.data(), host.size() - 1));
-  return std::string(user == nullptr ? "user" : user) + "@" + host.data();
-}
 
 std::string own_name(const PairOptions& options) {
   return options.name.empty() ? user_and_host() : options.name;
@@ -75,23 +69,6 @@ std::string named_code(const std::string& named) {
   return space.data();
 }
 
-// Digits alone of what somebody typed.
-std::string digits_in(const std::string& text) {
-  std::string digits;
-  for (const char c : text) {
-    if (c >= '0' && c <= '9') {
-      digits += c;
-    } else if (c != ' ') {
-      return {};
-    }
-  }
-  return digits;
-}
-
-std::string six_digits(std::uint32_t digits) {
-  return std::to_string(1'000'000 + digits).substr(1);
-}
-
 // The user types what the sensor tells: who only has to say yes says it too soon.
 void compare_digits(std::uint32_t ours, const PairOptions& options) {
   std::string told = options.digits;
@@ -106,10 +83,8 @@ void compare_digits(std::uint32_t ours, const PairOptions& options) {
                   "pair: no digits were given, so nothing was paired: begin again, and type those "
                   "that the sensor tells, or give --digits");
   }
-  const std::string wanted = six_digits(ours);
-  if (typed != wanted) {
-    throw Failure(Exit::kFailure, "pair: " + typed + " was given, the digits here are " + wanted +
-                                      ": mistyped, or somebody is between you. Nothing was paired");
+  if (typed != six_digits(ours)) {
+    throw Failure(Exit::kFailure, "pair: " + other_digits(typed, ours));
   }
 }
 
@@ -128,45 +103,22 @@ client::PairWish renewal_of(const wire::Key& key) {
 client::PairWish wish_of(const PairOptions& options) {
   client::PairWish wish{.role = wire::role_of(options.role), .name = own_name(options)};
   if (!options.code.empty()) {
-    const auto code = wire::code_of(named_code(options.code));
-    if (!code) {
+    if (!prove_by_code(wish, named_code(options.code))) {
       throw Failure(Exit::kBadInput, "--code: takes the 32 hexadecimal digits of the label");
     }
-    wish.method = wire::PairMethod::kCode;
-    wish.known.assign(code->begin(), code->end());
   } else if (!options.serial.empty()) {
     wish.method = wire::PairMethod::kCable;
   }
   return wish;
 }
 
-// Whether a key could be kept in it, before the sensor has one.
-void need_room(const std::string& file) {
-  value_or_fail(client::update_user_keys(file, [](const wire::KeyTable& keys) {
-    return std::expected<wire::KeyTable, client::OpenError>(keys);
-  }));
-}
-
 void say_kept(const wire::Key& key, const std::string& file) {
-  std::printf("key %08x of sensor %08x, %s, is in %s\n", key.id, key.device,
-              std::string(wire::role_text(key.role)).c_str(), file.c_str());
-}
-
-// The sensor drops the secret of before when it has seen the new one.
-bool opens(const PairOptions& options, const wire::Key& key) {
-  client::ControlOptions control = timing(options.timeout_s);
-  control.device_id = key.device;
-  control.unsigned_answers = client::Unsigned::kNever;
-  static_cast<void>(control.keys.add(key));
-  client::ControlClient client(open_way("pair", options.sensor, options.serial, options.baud),
-                               control);
-  const auto answer = client.request(wire::SettingsOperation::kKeys, {}, {});
-  return answer && answer->result != wire::SettingsResult::kUnknownKey;
+  std::printf("%s\n", kept_text(key, file).c_str());
 }
 
 void renew(const PairOptions& options, const std::string& file) {
   const std::string waiting = renewed_file(file);
-  need_room(file);
+  need_key_room(file);
   const client::Meant meant =
       meant_or_fail(file, value_or_fail(client::read_user_keys(file)), options.sensor,
                     {.device = options.device, .key_id = key_id_of(options.key)});
@@ -194,11 +146,11 @@ void renew(const PairOptions& options, const std::string& file) {
     static_cast<void>(kept.add(next));
     value_or_fail(client::write_user_keys(waiting, kept));
     const auto finished = client.finish(std::chrono::seconds(2));
-    if (!finished && !opens(options, next)) {
+    if (!finished && !opens_sensor(options, options.sensor, next)) {
       throw Failure(Exit::kFailure, finished.error().message);
     }
     value_or_fail(client::add_user_key(file, next));
-    if (finished && !opens(options, next)) {
+    if (finished && !opens_sensor(options, options.sensor, next)) {
       throw Failure(Exit::kFailure, file +
                                         ": has the new secret, but the sensor does not answer: "
                                         "try again with --renew");
@@ -222,62 +174,18 @@ void say_older(const wire::KeyTable& keys, const wire::Key& newest) {
   }
 }
 
-// A sensor says which number it has, and which id its key gets: neither may be those of another
-// one.
-void need_new(const PairOptions& options, const std::string& file, const std::string& address,
-              const wire::Key& key) {
-  const wire::KeyTable keys = value_or_fail(client::read_user_keys(file));
-  if (keys.find(key.id) != nullptr) {
-    throw Failure(Exit::kFailure, "sensor " + address +
-                                      ": gave the key the number of one that you have: it "
-                                      "imitates another sensor, and nothing was paired");
-  }
-  const std::span<const wire::Key> all = keys.all();
-  const auto same = std::ranges::find(all, key.device, &wire::Key::device);
-  if (same == all.end() || options.again) {
-    return;
-  }
-  const std::uint32_t there = value_or_fail(client::key_proven_at(file, keys, options.sensor));
-  const wire::Key* const proven = keys.find(there);
-  if (proven == nullptr || proven->device != key.device) {
-    throw Failure(
-        Exit::kFailure,
-        "sensor " + address + ": says that it is number " + std::to_string(key.device) +
-            ", which your key " + id_text(*same) +
-            " is of already, and that was not proven here: give it another number "
-            "(stofd --device), or pair with --again if it is the same sensor; nothing was paired");
-  }
-}
-
 void pair_with(const PairOptions& options, const std::string& file) {
-  auto transport = open_way("pair", options.sensor, options.serial, options.baud);
-  const client::PairWish wish = wish_of(options);
-  need_room(file);
-  const std::string address = transport->place();
-  client::ControlOptions control = timing(options.timeout_s);
-  control.device_id = options.device;
-  client::PairClient client(std::move(transport), wish, control);
-  value_or_end(client.start());
-  need_new(options, file, address, client.key());
-  if (wish.method == wire::PairMethod::kDigits) {
-    compare_digits(client.digits(), options);
+  Pairing pairing({options, options.sensor, file, options.again}, wish_of(options));
+  pairing.start();
+  if (pairing.by_digits()) {
+    compare_digits(pairing.digits(), options);
     std::printf(
         "They are equal. Now accept them at the sensor: hold its button for 3 seconds, or type "
         "them where stof pair --window asks.\n");
     std::fflush(stdout);
   }
-  // Whoever sits between may hold back or forge the last answer: the key itself says whether it is
-  // one of the sensor's.
-  const auto finished = client.finish(std::chrono::minutes(2));
-  const wire::Key key = client.key();
-  if (!finished && !opens(options, key)) {
-    throw Failure(Exit::kFailure, finished.error().message);
-  }
-  value_or_fail(client::add_user_key(file, key));
+  const wire::Key key = pairing.finish(std::chrono::minutes(2));
   say_kept(key, file);
-  if (!options.sensor.empty()) {
-    remember_place(file, {.named = options.sensor, .address = address}, key.id);
-  }
   say_older(value_or_fail(client::read_user_keys(file)), key);
 }
 

@@ -1,26 +1,15 @@
 #include "host/cli/update.h"
 
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <optional>
-#include <string_view>
-#include <thread>
 
-#include "dataset/files/file.h"
 #include "host/cli/failure.h"
 #include "host/cli/progress_line.h"
+#include "host/cli/release_upload.h"
 #include "host/cli/upload_way.h"
 
 namespace stof::host {
 namespace {
-
-constexpr std::size_t kMostUpdateBytes = std::size_t{1} << 28;
-constexpr std::size_t kUpdateHeadBytes = 192;
-constexpr std::string_view kUpdateMagic{"STOFUPD\0", 8};
-constexpr auto kBetweenAsking = std::chrono::milliseconds(500);
-using wire::UploadKind;
-using wire::UploadState;
 
 struct UpdateWords {
   std::string sensor;
@@ -47,83 +36,30 @@ UpdateWords read_update_words(const UpdateOptions& options) {
   return words;
 }
 
-// What no sensor takes is told before anything is sent.
-std::string read_update_file(const std::filesystem::path& file) {
-  std::string bytes = value_or_fail(dataset::read_whole(file, kMostUpdateBytes));
-  if (bytes.size() <= kUpdateHeadBytes || !bytes.starts_with(kUpdateMagic)) {
-    throw Failure(Exit::kBadInput,
-                  file.string() + ": is no update file: name one that scripts/image wrote");
-  }
-  return bytes;
-}
-
-// What comes of the trial: the sensor restarts, perhaps twice, and tells.
-void wait_for_verdict(UploadWay& way, std::uint32_t former, std::uint32_t tried, double wait_s) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(wait_s);
-  bool told = false;
-  bool seen = tried != former;  // the same release again is known by its trial alone
-  while (std::chrono::steady_clock::now() < end) {
-    std::this_thread::sleep_for(kBetweenAsking);
-    const auto state = way.uploads.state_of(UploadKind::kUpdate);
-    if (!state || state->result != wire::SettingsResult::kOk) {
-      continue;  // it restarts
-    }
-    if (state->state == UploadState::kOnTrial && state->fingerprint == tried) {
-      seen = true;
-      if (!told) {
-        std::printf("%s: release %08x runs on trial\n", way.who().c_str(), tried);
-        std::fflush(stdout);
-        told = true;
-      }
-    } else if (state->state == UploadState::kSettled && seen && state->fingerprint == tried) {
-      std::printf("%s: release %08x is confirmed; it was %08x\n", way.who().c_str(), tried, former);
-      return;
-    } else if (state->state == UploadState::kSettled && state->fingerprint == former &&
-               tried != former) {
-      throw Failure(Exit::kFailure, way.who() +
-                                        ": went back to the former release: the new one did not "
-                                        "publish for 30 s what was published before");
-    }
-  }
-  throw Failure(Exit::kFailure, way.who() +
-                                    ": did not tell what came of it: look with stof view, "
-                                    "and try again later");
-}
-
 }  // namespace
 
 void update(const UpdateOptions& options) {
   need_crypto();
   const UpdateWords words = read_update_words(options);
-  const std::string bytes = options.revert ? std::string() : read_update_file(words.file);
+  const std::string bytes = options.revert ? std::string() : read_release(words.file);
   const auto way = open_upload_way("update", words.sensor, options, options.patience_s);
-  const auto before = way->uploads.state_of(UploadKind::kUpdate);
-  if (!before) {
-    throw Failure(Exit::kFailure, before.error().message);
-  }
-  if (before->result != wire::SettingsResult::kOk) {
-    refuse_upload(*before, way->place);
-  }
   ProgressLine line;
-  const auto answer =
-      options.revert
-          ? way->uploads.revert(UploadKind::kUpdate)
-          : way->uploads.upload(UploadKind::kUpdate, std::as_bytes(std::span(bytes)),
-                                [&line](std::size_t now, std::size_t all) { line.show(now, all); });
-  line.end();
-  if (!answer) {
-    throw Failure(Exit::kFailure, answer.error().message);
+  const ReleaseEnd end =
+      put_release(*way, bytes, options.no_wait ? 0 : options.wait_s,
+                  {.sent = [&line](std::size_t now, std::size_t all) { line.show(now, all); },
+                   .told =
+                       [&line](ReleaseStep /*step*/, const std::string& text) {
+                         line.end();
+                         std::printf("%s\n", text.c_str());
+                         std::fflush(stdout);
+                       }});
+  if (options.no_wait) {
+    return;
   }
-  if (answer->result != wire::SettingsResult::kOk) {
-    refuse_upload(*answer, way->place);
+  if (!end.confirmed) {
+    throw Failure(Exit::kFailure, end.line);
   }
-  way->remember();
-  std::printf("%s: release %08x is in the other slot; the sensor restarts with it on trial\n",
-              way->who().c_str(), answer->former);
-  std::fflush(stdout);
-  if (!options.no_wait) {
-    wait_for_verdict(*way, before->fingerprint, answer->former, options.wait_s);
-  }
+  std::printf("%s\n", end.line.c_str());
 }
 
 void add_update(CLI::App& app, UpdateOptions& options) {

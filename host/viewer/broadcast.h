@@ -17,8 +17,16 @@
 namespace stof::viewer {
 
 // What all pages are told of, the newest message of each alone.
-enum class Topic : std::uint8_t { kStatus, kSettings, kFaults, kRecording, kPlayback };
-inline constexpr std::size_t kTopics = 5;
+enum class Topic : std::uint8_t {
+  kStatus,
+  kSettings,
+  kFaults,
+  kRecording,
+  kPlayback,
+  kPairing,
+  kUpdate
+};
+inline constexpr std::size_t kTopics = 7;
 
 // What all pages may see: the newest frame, what is told of each topic, the last events. Some
 // threads tell, another one's conversations ask.

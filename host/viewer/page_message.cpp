@@ -86,6 +86,42 @@ std::optional<Wish> fault_of(const Json& said) {
   return GiveFault{*device + ":" + *kind + (*edges == 0 ? "" : ":" + std::to_string(*edges))};
 }
 
+// A text of at most so many bytes, all of them of `alphabet`.
+const std::string* text_in(const Json& said, const char* name, std::size_t most,
+                           std::string_view alphabet) {
+  const auto* const text = said[name].get_ptr<const std::string*>();
+  return text != nullptr && text->size() <= most &&
+                 text->find_first_not_of(alphabet) == std::string::npos
+             ? text
+             : nullptr;
+}
+
+std::optional<Wish> pairing_of(const Json& said) {
+  const auto* const code = text_in(said, "code", kMostName, "0123456789abcdefABCDEF- ");
+  const auto* const role = said["role"].get_ptr<const std::string*>();
+  if (code == nullptr || role == nullptr ||
+      (*role != "view" && *role != "tune" && *role != "admin")) {
+    return std::nullopt;
+  }
+  return BeginPairing{.code = *code, .role = *role};
+}
+
+std::optional<Wish> digits_of(const Json& said) {
+  const auto* const digits = text_in(said, "digits", 16, "0123456789 ");
+  return digits != nullptr ? std::optional<Wish>(GiveDigits{*digits}) : std::nullopt;
+}
+
+// The name of a file, never a path.
+std::optional<Wish> release_of(const Json& said) {
+  const auto* const file = said["file"].get_ptr<const std::string*>();
+  constexpr std::size_t kMostFile = 255;
+  if (file == nullptr || file->empty() || file->size() > kMostFile || file->front() == '.' ||
+      file->find_first_of(std::string_view("/\0", 2)) != std::string::npos) {
+    return std::nullopt;
+  }
+  return PutRelease{*file};
+}
+
 template <typename Switch>
 std::optional<Wish> switch_of(const Json& said) {
   return said["on"].is_boolean() ? std::optional<Wish>(Switch{said["on"].get<bool>()})
@@ -123,6 +159,21 @@ std::optional<Wish> wish_of(const std::string& what, const Json& said) {
   if (what == "seek" && has({"to_ms"})) {
     const auto ms = number_in(said, "to_ms", std::uint64_t{1} << 40);
     return ms ? std::optional<Wish>(SeekTo{*ms}) : std::nullopt;
+  }
+  if (what == "pair" && has({"code", "role"})) {
+    return pairing_of(said);
+  }
+  if (what == "digits" && has({"digits"})) {
+    return digits_of(said);
+  }
+  if (what == "end_pairing" && has({})) {
+    return EndPairing{};
+  }
+  if (what == "release" && has({})) {
+    return ReadRelease{};
+  }
+  if (what == "update" && has({"file"})) {
+    return release_of(said);
   }
   return std::nullopt;
 }

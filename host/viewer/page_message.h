@@ -38,8 +38,21 @@ struct SetPlaying {
 struct SeekTo {
   std::uint64_t ms = 0;  // from the begin of the recording
 };
-using Wish = std::variant<ReadSettings, ChangeSettings, SaveSettings, GiveFault, SetRecording,
-                          SetPlaying, SeekTo>;
+struct BeginPairing {
+  std::string code{};  // of the label; empty: digits are compared
+  std::string role{};  // "view", "tune" or "admin"
+};
+struct GiveDigits {
+  std::string digits{};  // that the sensor tells
+};
+struct EndPairing {};
+struct ReadRelease {};
+struct PutRelease {
+  std::string file{};  // a name in the folder of releases, and no path
+};
+using Wish =
+    std::variant<ReadSettings, ChangeSettings, SaveSettings, GiveFault, SetRecording, SetPlaying,
+                 SeekTo, BeginPairing, GiveDigits, EndPairing, ReadRelease, PutRelease>;
 
 struct Request {
   std::uint32_t id = 0;  // of the page's choice: its answer has it, too

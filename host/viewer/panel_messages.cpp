@@ -61,4 +61,33 @@ std::string playback_message(const PlaybackState& state) {
                      {"began_ms", state.began_ms}});
 }
 
+std::string pairing_message(const PairingState& state) {
+  return dump_panel({{"type", "pairing"},
+                     {"offer", state.offer},
+                     {"step", state.step},
+                     {"given", state.given},
+                     {"ours", state.ours},
+                     {"text", state.text},
+                     {"takes_code", state.takes_code}});
+}
+
+std::string update_message(const UpdateState& state) {
+  nlohmann::json files = nlohmann::json::array();
+  for (const ReleaseFile& one : state.files) {
+    files.push_back({{"name", one.name}, {"bytes", one.bytes}});
+  }
+  return dump_panel({{"type", "update"},
+                     {"folder", state.folder},
+                     {"files", files},
+                     {"step", state.step},
+                     {"file", state.file},
+                     {"sent", state.sent},
+                     {"total", state.total},
+                     {"text", state.text},
+                     {"running", state.running},
+                     {"other", state.other},
+                     {"state", state.state},
+                     {"problem", state.problem}});
+}
+
 }  // namespace stof::viewer

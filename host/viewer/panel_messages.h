@@ -55,4 +55,37 @@ struct PlaybackState {
 };
 std::string playback_message(const PlaybackState& state);
 
+struct PairingState {
+  // Why a key can be made here: "unpaired", nobody has one; "no_key", others have, this user has
+  // none; empty: he has one, or nobody knows.
+  std::string offer{};
+  std::string step = "none";  // then "begin", "digits" (are awaited), "accept", "paired", "failed"
+  std::string given{};        // the six digits that were given
+  std::string ours{};         // and those of here; only once some were given
+  std::string text{};         // one line of what came of it
+  bool takes_code = false;    // of the label
+};
+std::string pairing_message(const PairingState& state);
+
+struct ReleaseFile {
+  std::string name{};
+  std::uint64_t bytes = 0;
+};
+struct UpdateState {
+  std::string folder{};  // of the releases; empty: none was named
+  std::vector<ReleaseFile> files{};
+  // "none", "sending", "restarting", "trial", "confirmed", "left" (the former one runs again),
+  // "failed"
+  std::string step = "none";
+  std::string file{};
+  std::uint64_t sent = 0;  // bytes that the sensor has
+  std::uint64_t total = 0;
+  std::string text{};     // one line of what came of it
+  std::string running{};  // 8 hexadecimal digits; empty: not known
+  std::string other{};    // in the other slot; empty: none
+  std::string state{};    // of the running one: "settled", "trial", "restarting"; empty: not known
+  std::string problem{};  // one line: why that is not known
+};
+std::string update_message(const UpdateState& state);
+
 }  // namespace stof::viewer

@@ -32,7 +32,16 @@ std::vector<viewer::FaultState> states_of(const std::vector<DeviceFaults>& devic
 }  // namespace
 
 PageDesk::PageDesk(DeskOptions options)
-    : options_(std::move(options)), thread_([this] { run(); }) {}
+    : options_(std::move(options)),
+      pairing_(options_.config, options_.takes_code,
+               [this](const viewer::PairingState& state) {
+                 tell(viewer::Topic::kPairing, viewer::pairing_message(state));
+               }),
+      update_(options_.config, options_.update_from,
+              [this](const viewer::UpdateState& state) {
+                tell(viewer::Topic::kUpdate, viewer::update_message(state));
+              }),
+      thread_([this] { run(); }) {}
 
 PageDesk::~PageDesk() {
   {
@@ -96,7 +105,11 @@ void PageDesk::serve(viewer::Wish wish, viewer::Answer answer) {
         })) {
       return;
     }
-  } else if (enqueue([this, wish, answer] { do_settings(wish, answer); })) {
+  } else if (is_one_of<viewer::ReadSettings, viewer::ChangeSettings, viewer::SaveSettings>(wish)) {
+    if (enqueue([this, wish, answer] { do_settings(wish, answer); })) {
+      return;
+    }
+  } else if (enqueue([this, wish, answer] { do_others(wish, answer); })) {
     return;
   }
   answer(false, kBusy);
@@ -127,31 +140,59 @@ void PageDesk::do_settings(const viewer::Wish& wish, const viewer::Answer& answe
   answer(done, said);
 }
 
+// What has its own thread, and its own message of how it goes.
+void PageDesk::do_others(const viewer::Wish& wish, const viewer::Answer& answer) {
+  std::expected<void, std::string> done;
+  if (const auto* const begin = std::get_if<viewer::BeginPairing>(&wish)) {
+    done = pairing_.begin(sensor(), *begin);
+  } else if (const auto* const given = std::get_if<viewer::GiveDigits>(&wish)) {
+    done = pairing_.give(given->digits);
+  } else if (std::holds_alternative<viewer::EndPairing>(wish)) {
+    done = pairing_.give_up();
+  } else if (const auto* const release = std::get_if<viewer::PutRelease>(&wish)) {
+    done = update_.put(sensor(), release->file);
+  } else {
+    update_.read(sensor());
+  }
+  answer(done.has_value(), done ? std::string() : done.error());
+}
+
+// among_jobs: it is already; guarded by the mutex.
+void PageDesk::look_once(bool& among_jobs, Job job) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (std::exchange(among_jobs, true)) {
+      return;
+    }
+  }
+  const bool queued = enqueue([this, &among_jobs, look = std::move(job)] {
+    {
+      const std::scoped_lock lock(mutex_);
+      among_jobs = false;
+    }
+    look();
+  });
+  if (!queued) {
+    const std::scoped_lock lock(mutex_);
+    among_jobs = false;
+  }
+}
+
 void PageDesk::look_at_faults() {
   if (options_.fault_socket.empty()) {
     return;
   }
-  {
-    const std::scoped_lock lock(mutex_);
-    if (std::exchange(looks_at_faults_, true)) {
-      return;
-    }
-  }
-  const bool queued = enqueue([this] {
-    {
-      const std::scoped_lock lock(mutex_);
-      looks_at_faults_ = false;
-    }
+  look_once(looks_at_faults_, [this] {
     try {
       order("list");
     } catch (const std::exception& problem) {
       tell(viewer::Topic::kFaults, viewer::faults_message({}, problem.what()));
     }
   });
-  if (!queued) {
-    const std::scoped_lock lock(mutex_);
-    looks_at_faults_ = false;
-  }
+}
+
+void PageDesk::look_at_keys() {
+  look_once(looks_at_keys_, [this] { pairing_.look(sensor()); });
 }
 
 void PageDesk::tell_by(Tell tell) {

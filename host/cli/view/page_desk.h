@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <filesystem>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -11,15 +12,19 @@
 #include <utility>
 
 #include "host/cli/config/config.h"
+#include "host/cli/view/page_pairing.h"
 #include "host/cli/view/page_settings.h"
+#include "host/cli/view/page_update.h"
 #include "host/viewer/broadcast.h"
 
 namespace stof::host {
 
 struct DeskOptions {
-  ConfigOptions config{};      // keys, and which sensor is meant
-  std::string fault_socket{};  // of an emulated sensor; empty: it cannot be made to fail
-  bool sensor = true;          // false: what is shown is a recording, which nobody changes
+  ConfigOptions config{};               // keys, and which sensor is meant
+  std::string fault_socket{};           // of an emulated sensor; empty: it cannot be made to fail
+  std::filesystem::path update_from{};  // folder of releases; empty: the page puts none
+  bool takes_code = true;  // of the label, to pair: not over a network that others read
+  bool sensor = true;      // false: what is shown is a recording, which nobody changes
 };
 
 // Has done what pages want: what blocks, by a thread of its own, one after the other; what is the
@@ -41,6 +46,7 @@ class PageDesk {
   void tell_by(Tell tell);
   void know(const ShownSensor& sensor);
   void look_at_faults();  // tells them, soon
+  void look_at_keys();    // tells whether there is one of the sensor, soon
   using Own = std::pair<viewer::Wish, viewer::Answer>;
   std::optional<Own> take_own();  // recording and playback
 
@@ -52,6 +58,8 @@ class PageDesk {
   void run();
   void order(const std::string& order);  // throws Failure
   void do_settings(const viewer::Wish& wish, const viewer::Answer& answer);
+  void do_others(const viewer::Wish& wish, const viewer::Answer& answer);
+  void look_once(bool& among_jobs, Job job);
   void tell(viewer::Topic topic, std::string json);
   ShownSensor sensor() const;
 
@@ -63,7 +71,10 @@ class PageDesk {
   std::deque<Job> jobs_;
   std::deque<Own> own_;
   bool looks_at_faults_ = false;  // it is among the jobs
+  bool looks_at_keys_ = false;    // likewise
   bool stop_ = false;
+  PagePairing pairing_;
+  PageUpdate update_;
   std::thread thread_;  // last: it uses what stands above
 };
 

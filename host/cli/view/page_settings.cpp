@@ -1,6 +1,7 @@
 #include "host/cli/view/page_settings.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "host/cli/config/settings_text.h"
 #include "host/cli/failure.h"
@@ -41,22 +42,21 @@ const char* name_of(wire::Role role) {
   }
 }
 
+}  // namespace
+
 // Whose keys count is what `stof config` would say.
-void judge_role(const ShownSensor& sensor, const ConfigOptions& options,
-                viewer::SettingsState& state) {
+OwnRole own_role(const ShownSensor& sensor, const ConfigOptions& options) {
   const client::Meant meant =
       meant_or_fail(options.keys, value_or_fail(client::read_user_keys(options.keys)),
                     sensor.address, {.device = options.device, .key_id = key_id_of(options.key)});
-  state.role = sensor.unpaired ? "anybody" : "none";
-  state.doubt = meant.doubt;
+  OwnRole own{.role = sensor.unpaired ? "anybody" : "none", .doubt = meant.doubt};
   for (const wire::Key& key : meant.keys.all()) {  // the newest comes last
     if (key.device == sensor.device) {
-      state.role = name_of(key.role);
+      own.role = name_of(key.role);
     }
   }
+  return own;
 }
-
-}  // namespace
 
 viewer::SettingsState read_settings(const ShownSensor& sensor, const ConfigOptions& options) {
   viewer::SettingsState state;
@@ -70,7 +70,9 @@ viewer::SettingsState read_settings(const ShownSensor& sensor, const ConfigOptio
     state.active = document("active");
     state.saved = document("saved");
     state.defaults = document("defaults");
-    judge_role(sensor, options, state);
+    OwnRole own = own_role(sensor, options);
+    state.role = std::move(own.role);
+    state.doubt = std::move(own.doubt);
   } catch (const Failure& failure) {
     state.problem = failure.what();
   }

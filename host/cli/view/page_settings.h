@@ -15,7 +15,16 @@ struct ShownSensor {
   std::string address{};     // HOST[:PORT]; empty: nobody knows yet
   std::uint32_t device = 0;  // its number, as its frames say
   bool unpaired = false;     // it says so
+  bool told = false;         // it has said how it is: both of the above are known
 };
+
+// Who this program is for it, by its keys: a role; "anybody": it is not paired; "none": it is, and
+// no key is there. doubt: one line why none is used, or empty. Throws Failure.
+struct OwnRole {
+  std::string role;
+  std::string doubt;
+};
+OwnRole own_role(const ShownSensor& sensor, const ConfigOptions& options);
 
 // Its documents and schema, and who this program is for it. Blocks as long as its answers take; of
 // what goes wrong the state has one line.

@@ -27,6 +27,9 @@ void add_page_flags(CLI::App& command, PageOptions& options) {
                    "your keys of the sensor");
   command.add_option("--record-to", options.record_to, "Folder of what is recorded from the page")
       ->capture_default_str();
+  command.add_option("--update-from", options.update_from,
+                     "Folder of releases (*.update): the page may put one of them on the sensor, "
+                     "with your key of role admin");
   command.add_option("--fault-socket", options.fault_socket,
                      "Of an emulated sensor, as stofd has it: the page can make it fail");
   command.add_flag("--no-browser", options.no_browser, "Print the page's address, open no browser");
@@ -45,7 +48,14 @@ void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
                                        ": is no folder: make it, or give another one");
   }
   receive_ = &receive;
-  DeskOptions desk{.fault_socket = options.fault_socket, .sensor = !shown.recording};
+  if (!options.update_from.empty() && !std::filesystem::is_directory(options.update_from, error)) {
+    throw Failure(Exit::kBadInput, "--update-from: " + options.update_from.string() +
+                                       ": is no folder: name the one that holds the releases");
+  }
+  DeskOptions desk{.fault_socket = options.fault_socket,
+                   .update_from = options.update_from,
+                   .takes_code = !options.lan_control,
+                   .sensor = !shown.recording};
   desk.config.keys = keys_file(receive.keys);
   desk.config.device = receive.device;
   desk.config.key = receive.key;
@@ -94,6 +104,7 @@ PageView::~PageView() {
 void PageView::show(const client::Frame& frame) {
   if (viewer_) {
     device_ = frame.origin.device_id;
+    device_known_ = true;
     viewer_->show(frame, latency_ms(frame));
   }
 }
@@ -161,8 +172,10 @@ void PageView::look(const ReceiveOptions& options, client::Receiver& receiver, c
     const std::uint32_t active = receiver.health() ? receiver.health()->active : 0;
     desk_->know({.address = asked(receiver).sensor,
                  .device = device_,
-                 .unpaired = ((active >> static_cast<int>(wire::Condition::kUnpaired)) & 1U) != 0});
+                 .unpaired = ((active >> static_cast<int>(wire::Condition::kUnpaired)) & 1U) != 0,
+                 .told = receiver.health().has_value() && device_known_});
     desk_->look_at_faults();
+    desk_->look_at_keys();
   }
 }
 

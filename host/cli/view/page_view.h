@@ -21,6 +21,7 @@ struct PageOptions {
   bool lan_control = false;                // and change what the page of this machine may
   bool no_browser = false;
   std::filesystem::path record_to = ".";  // folder of what the page records
+  std::filesystem::path update_from;      // folder of releases; empty: the page puts none
   std::string fault_socket;               // of an emulated sensor; empty: none
   std::string program;                    // name and version, for recordings
 };
@@ -65,6 +66,7 @@ class PageView {
   std::unique_ptr<PageRecording> recording_;  // of a sensor
   std::optional<viewer::Viewer> viewer_;
   std::uint32_t device_ = 0;  // of the newest frame
+  bool device_known_ = false;
   client::Time told_;
 };
 

@@ -65,7 +65,8 @@ std::expected<void, ControlError> PairClient::start() {
   return {};
 }
 
-std::expected<wire::Key, ControlError> PairClient::finish(Duration patience) {
+std::expected<wire::Key, ControlError> PairClient::finish(Duration patience,
+                                                          const std::function<bool()>& goes_on) {
   wire::PairRequest confirm = request(PairStep::kConfirm);
   wire::put_bytes(secrets_->client_tag(), confirm.value);
   const Time deadline = Time::clock::now() + patience;
@@ -83,6 +84,9 @@ std::expected<wire::Key, ControlError> PairClient::finish(Duration patience) {
     }
     if (Time::clock::now() >= deadline) {
       return error(Status::kTimeout, "nobody has accepted the digits there");
+    }
+    if (goes_on && !goes_on()) {
+      return error(Status::kTimeout, "was given up here before anybody accepted it there");
     }
     std::this_thread::sleep_for(kPoll);
   }

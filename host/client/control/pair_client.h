@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,8 +44,10 @@ class PairClient {
   // After start(): what the key will be, if the sensor takes it.
   wire::Key key() const;
   // After start(), and the user's consent: waits until the key is in force. As start(), and
-  // kTooLarge: the sensor keeps no more keys; kTimeout: nobody accepted it there.
-  std::expected<wire::Key, ControlError> finish(Duration patience);
+  // kTooLarge: the sensor keeps no more keys; kTimeout: nobody accepted it there, or `goes_on`,
+  // which is asked again and again, said no.
+  std::expected<wire::Key, ControlError> finish(Duration patience,
+                                                const std::function<bool()>& goes_on = {});
 
   // In place of all that, over a cable: opens two minutes for others, as the button does; asked
   // again, tells how they stand. As start(), and kTimeout: nobody has come, or not agreed in time.

@@ -1,8 +1,10 @@
 // The WebSocket to `stof view` (docs/VIEWER.md): frames are asked for one by one, and a connection that ends is made again.
 
 import { FaultsMessage } from "./faults";
+import { PairingMessage } from "./pairing";
 import { PlaybackMessage, RecordingMessage } from "./recorder";
 import { SettingsMessage } from "./settings";
+import { UpdateMessage } from "./update";
 
 export interface Calibration { fx: number; fy: number; cx: number; cy: number; max_range_m: number }
 
@@ -70,6 +72,8 @@ export interface Listener {
   faults(message: FaultsMessage): void;
   recording(message: RecordingMessage): void;
   playback(message: PlaybackMessage): void;
+  pairing(message: PairingMessage): void;
+  update(message: UpdateMessage): void;
 }
 
 export type Plane = "depth" | "width" | "source" | "left";
@@ -170,6 +174,8 @@ export class Connection {
       if (said.type === "faults") this.listener.faults(said);
       if (said.type === "recording") this.listener.recording(said);
       if (said.type === "playback") this.listener.playback(said);
+      if (said.type === "pairing") this.listener.pairing(said);
+      if (said.type === "update") this.listener.update(said);
     };
   }
 }

@@ -4,11 +4,13 @@ import { Connection, Frame, Hello, Plane, Rights, SensorEvent, Status } from "./
 import { Base, DepthView, Overlay, depthRange } from "./depth_view";
 import { levelOf, showEvent, showHealth } from "./events";
 import { FaultPanel } from "./faults";
+import { PairingMessage, PairingPanel } from "./pairing";
 import { Requests, find, put } from "./panels";
 import { Plot } from "./plots";
 import { Probe } from "./probe";
 import { Player, RecordButton } from "./recorder";
 import { SettingsPanel } from "./settings";
+import { UpdatePanel } from "./update";
 
 function chosen(name: string): string {
   return document.querySelector<HTMLInputElement>(`input[name="${name}"]:checked`)!.value;
@@ -59,6 +61,9 @@ class Page {
   private faults = new FaultPanel(this.requests);
   private recorder = new RecordButton(this.requests);
   private player = new Player(this.requests);
+  private pairing = new PairingPanel(this.requests);
+  private pairingStep = "none";
+  private update = new UpdatePanel(this.requests);
 
   constructor() {
     this.connection = new Connection({
@@ -73,6 +78,8 @@ class Page {
       faults: (message) => this.faults.told(message),
       recording: (message) => this.recorder.told(message),
       playback: (message) => this.player.told(message),
+      pairing: (message) => this.paired(message),
+      update: (message) => this.update.told(message),
     }, () => this.planes());
     for (const input of document.querySelectorAll<HTMLInputElement>("input[type=radio]")) {
       input.addEventListener("change", () => this.choose());
@@ -91,7 +98,7 @@ class Page {
     find("sensor").textContent = name;
     document.title = `stof ${name}`;
     this.recording = hello.recording;
-    find("settings").hidden = hello.recording;
+    find("settings").hidden = find("update").hidden = hello.recording;
     this.table = hello.colours.map(rgb);
     this.sources = hello.sources;
     if (!this.scale) {
@@ -137,6 +144,14 @@ class Page {
     put("may-not", rights.why);
     find("may-not").hidden = rights.may;
     this.settings.connected();
+    this.pairing.connected();
+    this.update.connected();
+  }
+
+  private paired(message: PairingMessage): void {
+    this.pairing.told(message);
+    if (message.step === "paired" && this.pairingStep !== "paired") this.settings.ask(true); // what the new key may
+    this.pairingStep = message.step;
   }
 
   private arrived(frame: Frame): void {

@@ -36,6 +36,12 @@ TEST(PageMessage, ReadsEachWish) {
   EXPECT_TRUE(wish<SetRecording>(R"("do":"record","on":true)").on);
   EXPECT_FALSE(wish<SetPlaying>(R"("do":"play","on":false)").on);
   EXPECT_EQ(wish<SeekTo>(R"("do":"seek","to_ms":1500)").ms, 1500U);
+  EXPECT_EQ(wish<BeginPairing>(R"("do":"pair","code":"","role":"tune")").role, "tune");
+  EXPECT_EQ(wish<BeginPairing>(R"("do":"pair","code":"00aF-11","role":"admin")").code, "00aF-11");
+  EXPECT_EQ(wish<GiveDigits>(R"("do":"digits","digits":"123 456")").digits, "123 456");
+  wish<EndPairing>(R"("do":"end_pairing")");
+  wish<ReadRelease>(R"("do":"release")");
+  EXPECT_EQ(wish<PutRelease>(R"("do":"update","file":"rpi4 2.0.update")").file, "rpi4 2.0.update");
 }
 
 TEST(PageMessage, ReadsWhatItLooksAt) {
@@ -68,6 +74,20 @@ TEST(PageMessage, RefusesWhatIsNotAsWritten) {
         std::string(R"("do":"set","settings":{"a=b":1})"),
         std::string(R"("do":"set","settings":{"/etc/passwd":1})"),
         std::string(R"("do":"set","settings":{"":1})"),
+        std::string(R"("do":"pair","code":"","role":"owner")"),
+        std::string(R"("do":"pair","code":"moon","role":"admin")"),
+        std::string(R"("do":"pair","code":1,"role":"admin")"),
+        std::string(R"("do":"pair","code":"")"),
+        R"("do":"pair","role":"admin","code":")" + std::string(65, '0') + '"',
+        std::string(R"("do":"digits","digits":"12345a")"),
+        std::string(R"("do":"digits","digits":"12345678901234567")"),
+        std::string(R"("do":"end_pairing","id2":1)"),
+        std::string(R"("do":"update","file":"../a.update")"),
+        std::string(R"("do":"update","file":"/a.update")"),
+        std::string(R"("do":"update","file":".update")"),
+        std::string(R"("do":"update","file":"a\u0000b")"),
+        std::string(R"("do":"update","file":"")"),
+        R"("do":"update","file":")" + std::string(256, 'a') + '"',
         R"("do":"set","settings":{")" + long_name + R"(":1})",
         R"("do":"set","settings":{"a":")" + long_text + "\"}",
         many + "}",

@@ -1,0 +1,198 @@
+#include "host/cli/view/page_update.h"
+
+#include <algorithm>
+#include <exception>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "host/cli/failure.h"
+#include "host/cli/own_keys.h"
+#include "host/cli/release_upload.h"
+#include "host/text/printed.h"
+
+namespace stof::host {
+namespace {
+
+constexpr double kPutPatience_s = 15;  // without an answer
+constexpr double kReadPatience_s = 0.5;
+constexpr double kVerdictWait_s = 240;
+constexpr std::size_t kMostReleases = 50;
+
+std::vector<viewer::ReleaseFile> releases_in(const std::filesystem::path& folder) {
+  std::vector<viewer::ReleaseFile> files;
+  std::error_code error;
+  for (auto at = std::filesystem::directory_iterator(folder, error);
+       !error && at != std::filesystem::directory_iterator() && files.size() < kMostReleases;
+       at.increment(error)) {
+    std::error_code none;
+    if (at->path().extension() == ".update" && at->is_regular_file(none)) {
+      files.push_back(
+          {.name = at->path().filename().string(), .bytes = std::filesystem::file_size(*at, none)});
+    }
+  }
+  std::ranges::sort(files, {}, &viewer::ReleaseFile::name);
+  return files;
+}
+
+std::string release_text(std::uint32_t fingerprint) {
+  return fingerprint == 0 ? std::string() : printed("%08x", fingerprint);
+}
+
+const char* name_of_state(wire::UploadState state) {
+  switch (state) {
+    case wire::UploadState::kSettled:
+      return "settled";
+    case wire::UploadState::kOnTrial:
+      return "trial";
+    case wire::UploadState::kRestarting:
+      return "restarting";
+  }
+  return "";
+}
+
+}  // namespace
+
+PageUpdate::PageUpdate(ConfigOptions config, std::filesystem::path folder, Tell tell)
+    : config_(std::move(config)), folder_(std::move(folder)), tell_(std::move(tell)) {
+  state_.folder = folder_.string();
+}
+
+PageUpdate::~PageUpdate() {
+  {
+    const std::scoped_lock lock(mutex_);
+    ends_ = true;
+  }
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+}
+
+// Told in the order in which it happened.
+template <typename Change>
+void PageUpdate::change(Change&& how) {
+  const std::scoped_lock lock(mutex_);
+  std::forward<Change>(how)(state_);
+  tell_(state_);
+}
+
+bool PageUpdate::goes_on() const {
+  const std::scoped_lock lock(mutex_);
+  return !ends_;
+}
+
+void PageUpdate::read(const ShownSensor& sensor) {
+  std::vector<viewer::ReleaseFile> files;
+  if (!folder_.empty()) {
+    files = releases_in(folder_);
+  }
+  bool busy = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    busy = under_way_;
+  }
+  viewer::UpdateState found;
+  try {
+    if (busy) {
+      // What follows the update tells it.
+    } else if (sensor.address.empty()) {
+      found.problem = "no frame has come: nobody knows where the sensor is";
+    } else {
+      const auto way = open_upload_way("update", sensor.address, config_, kReadPatience_s);
+      const auto state = way->uploads.state_of(wire::UploadKind::kUpdate);
+      if (!state) {
+        throw Failure(Exit::kFailure, state.error().message);
+      }
+      if (state->result != wire::SettingsResult::kOk) {
+        refuse_upload(*state, way->place);
+      }
+      found.running = release_text(state->fingerprint);
+      found.other = release_text(state->former);
+      found.state = name_of_state(state->state);
+    }
+  } catch (const std::exception& problem) {
+    found.problem = problem.what();
+  }
+  change([&](viewer::UpdateState& state) {
+    state.files = std::move(files);
+    if (!busy) {
+      state.running = std::move(found.running);
+      state.other = std::move(found.other);
+      state.state = std::move(found.state);
+      state.problem = std::move(found.problem);
+    }
+  });
+}
+
+std::expected<void, std::string> PageUpdate::put(const ShownSensor& sensor,
+                                                 const std::string& file) {
+  if (folder_.empty()) {
+    return std::unexpected("no folder of releases was named: stof view SENSOR --update-from DIR");
+  }
+  if (sensor.address.empty()) {
+    return std::unexpected("no frame has come: nobody knows where the sensor is");
+  }
+  const std::vector<viewer::ReleaseFile> files = releases_in(folder_);
+  if (std::ranges::find(files, file, &viewer::ReleaseFile::name) == files.end()) {
+    return std::unexpected("no such release is in " + folder_.string() +
+                           ": choose one of the list");
+  }
+  {
+    const std::scoped_lock lock(mutex_);
+    if (under_way_) {
+      return std::unexpected("an update is under way");
+    }
+    under_way_ = true;
+  }
+  if (thread_.joinable()) {
+    thread_.join();  // it has ended
+  }
+  change([&](viewer::UpdateState& state) {
+    state.step = "sending";
+    state.file = file;
+    state.sent = state.total = 0;
+    state.text.clear();
+    state.problem.clear();
+  });
+  thread_ =
+      std::thread([this, address = sensor.address, path = folder_ / file] { run(address, path); });
+  return {};
+}
+
+void PageUpdate::run(const std::string& sensor, const std::filesystem::path& file) {
+  const char* step = "failed";
+  std::string text;
+  try {
+    need_crypto();
+    const std::string bytes = read_release(file);
+    const auto way = open_upload_way("update", sensor, config_, kPutPatience_s);
+    const ReleaseEnd end =
+        put_release(*way, bytes, kVerdictWait_s,
+                    {.sent =
+                         [this](std::size_t now, std::size_t all) {
+                           change([&](viewer::UpdateState& state) {
+                             state.sent = now;
+                             state.total = all;
+                           });
+                         },
+                     .told =
+                         [this](ReleaseStep told, const std::string& line) {
+                           change([&](viewer::UpdateState& state) {
+                             state.step = told == ReleaseStep::kOnTrial ? "trial" : "restarting";
+                             state.text = line;
+                           });
+                         },
+                     .goes_on = [this] { return goes_on(); }});
+    step = end.confirmed ? "confirmed" : "left";
+    text = end.line;
+  } catch (const std::exception& problem) {
+    text = problem.what();
+  }
+  change([&](viewer::UpdateState& state) {
+    state.step = step;
+    state.text = text;
+    under_way_ = false;
+  });
+}
+
+}  // namespace stof::host
