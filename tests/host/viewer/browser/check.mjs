@@ -1,14 +1,16 @@
-// check.mjs MODULES BIN OUT LOAD_SECONDS: the page of `stof view` in Chromium; scripts/viewer_check starts it.
+// check.mjs ROOT BIN OUT LOAD_SECONDS DOCS ONLY: the page of `stof view` in Chromium; scripts/viewer_check starts it.
 import { strict as assert } from "node:assert";
 import { createRequire } from "node:module";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
+import { drawDocs } from "./docs.mjs";
 import { measure } from "./load.mjs";
+import { ownerChecks } from "./owner.mjs";
 import { panelChecks } from "./panels.mjs";
 import { folder, readPfm, startSensor, startView, stopAll, until } from "./programs.mjs";
 
-const [modules, bin, out, loadSeconds] = process.argv.slice(2);
-const { chromium } = createRequire(join(modules, "here.js"))("playwright-core");
+const [root, bin, out, loadSeconds, docs, only] = process.argv.slice(2);
+const { chromium } = createRequire(join(root, "build/viewer_check/here.js"))("playwright-core");
 const width = 160;
 const height = 120;
 const flags = ["--size", `${width}x${height}`, "--pmd", "64x48", "--period-ms", "200", "--seed", "1"];
@@ -40,7 +42,7 @@ async function open(address, size = wide, scheme = "light") {
 
 const text = (page, id) => page.locator(`#${id}`).innerText();
 const choose = (page, name, value) => page.locator(`input[name=${name}][value=${value}]`).check({ force: true });
-const live = (page) => until("a frame", async () => (await page.locator("#map").evaluate((map) => map.width)) === width);
+const live = (page, wanted = width) => until("a frame", async () => (await page.locator("#map").evaluate((map) => map.width)) === wanted);
 const shot = (page, name) => page.screenshot({ path: join(out, `${name}.png`), fullPage: true });
 
 // Moves the pointer to a pixel and reads what the page says of it.
@@ -248,18 +250,16 @@ const checks = {
 };
 
 let failed = 0;
-try {
-  browser = await chromium.launch({
-    executablePath: "/usr/bin/chromium",
-    args: [...(process.getuid() === 0 ? ["--no-sandbox"] : []), "--disable-gpu", "--enable-unsafe-swiftshader"],
-  });
+
+async function checkAll() {
   const truthFile = join(folder, "truth.pfm");
   const sensor = await startSensor(bin, 0, [...flags, "--truth", truthFile]);
   const view = await startView(bin, sensor.port);
   await until("the truth", () => { try { return readFileSync(truthFile).length > width * height * 4; } catch { return false; } });
   const rig = { address: view.address, truth: readPfm(truthFile) };
-  const panels = panelChecks({ bin, flags, open, text, choose, live, shot, probe, phone });
-  for (const [name, check] of Object.entries({ ...checks, ...panels })) {
+  const tools = { bin, root, flags, open, text, choose, live, shot, probe, phone };
+  for (const [name, check] of Object.entries({ ...checks, ...panelChecks(tools), ...ownerChecks(tools) })) {
+    if (!name.includes(only)) continue;
     try {
       await check(rig);
       assert.deepEqual(complaints, [], "the browser's console");
@@ -273,9 +273,18 @@ try {
   await view.stop();
   await sensor.stop();
   if (Number(loadSeconds) > 0) await measure(browser, bin, Number(loadSeconds));
+}
+
+try {
+  browser = await chromium.launch({
+    executablePath: "/usr/bin/chromium",
+    args: [...(process.getuid() === 0 ? ["--no-sandbox"] : []), "--disable-gpu", "--enable-unsafe-swiftshader"],
+  });
+  if (docs) await drawDocs({ bin, out: docs, open, text, choose, live });
+  else await checkAll();
 } finally {
   await browser?.close();
   stopAll();
 }
-console.log(`pictures: ${out}`);
+console.log(`pictures: ${docs || out}`);
 process.exit(failed ? 1 : 0);

@@ -1,6 +1,7 @@
 // The emulated sensor and `stof view`, as long as a test needs them.
 import { spawn } from "node:child_process";
 import { existsSync, readFileSync, mkdtempSync } from "node:fs";
+import { createSocket } from "node:dgram";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
@@ -29,6 +30,19 @@ export function start(program, words) {
   made.ended = new Promise((done) => child.on("close", (code) => { running.delete(child); done(code); }));
   made.stop = () => { child.kill("SIGTERM"); return made.ended; };
   return made;
+}
+
+// A port that is free now, and that the system gives to nobody by itself: each start of a sensor takes it anew.
+export async function lastingPort() {
+  for (;;) {
+    const port = 20_000 + Math.floor(12_000 * Math.random());
+    const free = await new Promise((done) => {
+      const socket = createSocket("udp4");
+      socket.once("error", () => done(false));
+      socket.bind(port, () => socket.close(() => done(true)));
+    });
+    if (free) return port;
+  }
 }
 
 let count = 0;
