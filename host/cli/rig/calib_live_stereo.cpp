@@ -70,7 +70,11 @@ class LiveStereo {
                                     .most_motion_px = options_.live.most_motion_px,
                                     .most_blur_px = options_.most_blur_px});
     if (!kept_.empty()) {
-      TargetViews before = value_or_fail(find_views(kept_.folder(), target_));
+      LiveLines::say(printed("reading %zu views that were kept", kept_.count()));
+      TargetViews before = value_or_fail(find_views(kept_.folder(), target_, asked_to_stop));
+      if (before.stopped) {
+        throw Failure(Exit::kFailure, "stopped: " + kept_text());
+      }
       if (before.width != shot.left.width || before.height != shot.left.height) {
         throw Failure(Exit::kBadInput, kept_.folder().string() +
                                            ": holds views of another size than the sensor's: name "

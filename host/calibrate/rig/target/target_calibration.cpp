@@ -248,13 +248,18 @@ std::vector<double> row_errors(const PairView& view, const dsp::RawPair& rig) {
 }
 
 dataset::Loaded<TargetViews> find_views(const std::filesystem::path& folder,
-                                        const TargetOptions& options) {
+                                        const TargetOptions& options,
+                                        const std::function<bool()>& stop) {
   const dataset::Loaded<std::vector<std::filesystem::path>> pairs = list_pairs(folder);
   if (!pairs) {
     return std::unexpected(pairs.error());
   }
   TargetViews found;
   for (const std::filesystem::path& dir : *pairs) {
+    if (stop && stop()) {
+      found.stopped = true;
+      return found;
+    }
     const dataset::Loaded<Pair> pair = read_pair(dir);
     if (!pair) {
       return std::unexpected(pair.error());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +32,7 @@ struct TargetViews {
   int height = 0;
   std::vector<PairView> views;
   std::vector<RefusedView> refused;
+  bool stopped = false;  // before all of them were read
 };
 
 // Of views that were held out.
@@ -57,9 +59,10 @@ struct TargetCalibration {
 };
 
 // Reads a folder of pairs (pair_folder.h) and finds the board in each. One line where nothing can
-// be read, or pairs differ in size.
+// be read, or pairs differ in size. stop: asked before each of them; true: no more are read.
 dataset::Loaded<TargetViews> find_views(const std::filesystem::path& folder,
-                                        const TargetOptions& options);
+                                        const TargetOptions& options,
+                                        const std::function<bool()>& stop = {});
 
 // One line where no pair follows from the views at all. Views that are missing are in `missing`.
 dataset::Loaded<TargetCalibration> calibrate_target(TargetViews views,

@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -58,7 +59,7 @@ class LiveCalibration(unittest.TestCase):
         self.assertFalse(self.out.exists())
         return ended.stdout
 
-    def stop_at(self, pattern, sensor, *flags):
+    def stop_at(self, pattern, sensor, *flags, by=signal.SIGINT):
         """Its lines, when it was stopped at one that has the pattern; what it complains."""
         running = subprocess.Popen(self.words(sensor, *flags, "--timeout", 30), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(running.kill)
@@ -68,7 +69,7 @@ class LiveCalibration(unittest.TestCase):
             if not line:
                 self.fail(said + running.stderr.read())
             said += line
-        running.send_signal(signal.SIGINT)
+        running.send_signal(by)
         rest, complaint = running.communicate(timeout=ENOUGH_S)
         self.assertEqual(running.returncode, 1, complaint)
         self.assertEqual(complaint.count("\n"), 1, complaint)
@@ -95,6 +96,15 @@ class LiveCalibration(unittest.TestCase):
         self.assertEqual(ended.returncode, 2)
         self.assertIn("add", ended.stderr)
         self.assertNotIn("holds no folder", ended.stderr)
+
+    def test_it_ends_while_it_reads_views_that_were_kept(self):
+        subprocess.run([*EMU_PAIR, self.views, *WAVE[:2], "--poses", "wave:1,3", "--pmd", "none", *SIZE], check=True, timeout=ENOUGH_S)
+        for number in range(1, 600):  # which take long
+            shutil.copytree(self.views / "pose_000", self.views / f"pose_{number:03}", copy_function=os.link)
+        sensor = self.start(*WAVE)
+        said, complaint = self.stop_at("reading 600 views that were kept", sensor, by=signal.SIGTERM)
+        self.assertNotIn("views of before", said)
+        self.assertIn(f"stopped: views in {self.views}: 600; run it again", complaint)
 
     def test_with_the_view_that_was_missing_it_calibrates(self):
         # 26 views that are enough; the first of them is held before the sensor, the others were kept before.
