@@ -3,7 +3,7 @@ import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { configHome, folder, start, startSensor, startView, until } from "./programs.mjs";
 
-const size = { width: 1000, height: 640 };
+const size = { width: 1000, height: 620 };
 
 export async function drawDocs({ bin, out, open, text, choose, live }) {
   mkdirSync(out, { recursive: true });
@@ -16,9 +16,8 @@ export async function drawDocs({ bin, out, open, text, choose, live }) {
   const page = await open(view.address, size);
   await live(page, 640);
   await until("health and ten seconds of plots", () => page.messages.filter((message) => message.type === "status" && message.health).length > 20);
-  const shot = async (name) => {
-    await page.screenshot({ path: join(out, `${name}.png`), animations: "disabled" });
-  };
+  // Noise makes PNG files four times as large.
+  const shot = (name, of = page) => of.screenshot({ path: join(out, `${name}.jpg`), type: "jpeg", quality: 82, animations: "disabled" });
   const map = await page.locator("#map").boundingBox();
   await page.mouse.move(map.x + 0.45 * map.width, map.y + 0.6 * map.height);
   await until("the probe", async () => !/not sent|–/.test((await text(page, "probe-source")) + (await text(page, "probe-depth"))));
@@ -28,7 +27,7 @@ export async function drawDocs({ bin, out, open, text, choose, live }) {
   await page.locator("#pause").click();
   await new Promise((done) => setTimeout(done, 2500));
   await page.locator("#cloud").focus();
-  for (const key of ["ArrowLeft", "ArrowLeft", "ArrowLeft", "ArrowDown", "ArrowDown", "+"]) await page.keyboard.press(key);
+  for (const key of ["ArrowLeft", "ArrowLeft", "ArrowDown"]) await page.keyboard.press(key);
   await page.locator("#cloud").evaluate((cloud) => cloud.blur());
   await new Promise((done) => setTimeout(done, 2500));
   await shot("cloud");
@@ -40,7 +39,7 @@ export async function drawDocs({ bin, out, open, text, choose, live }) {
   await page.locator("#fault-edges").fill("0");
   await page.locator("#fault-give").click();
   await until("its effect", async () => (await text(page, "active")).includes("pmd lost"));
-  await page.evaluate(() => document.activeElement.blur());
+  await page.evaluate(() => { document.activeElement.blur(); scrollTo(0, 0); });
   await new Promise((done) => setTimeout(done, 1500));
   await shot("fault");
   await page.locator("#fault-list button").click();
@@ -51,9 +50,9 @@ export async function drawDocs({ bin, out, open, text, choose, live }) {
   await page.locator("[id='set-depth.max_range_mm']").fill("4000");
   await page.locator("#settings-apply").click();
   await until("an answer", async () => (await text(page, "settings-said")) !== "");
-  await page.evaluate(() => { document.activeElement.blur(); scrollTo(0, 1e6); });
+  await page.evaluate(() => document.activeElement.blur());
   await new Promise((done) => setTimeout(done, 1500));
-  await shot("settings");
+  await shot("settings", page.locator("#settings"));
   await page.context().close();
   await view.stop();
   await sensor.stop();
