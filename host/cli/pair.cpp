@@ -11,6 +11,7 @@
 #include <memory>
 #include <span>
 #include <thread>
+#include <utility>
 
 #include <unistd.h>
 
@@ -118,6 +119,7 @@ void say_kept(const wire::Key& key, const std::string& file) {
 
 void renew(const PairOptions& options, const std::string& file) {
   const std::string waiting = renewed_file(file);
+  const PairingTerms terms = pairing_terms(options, options.sensor, file);
   need_key_room(file);
   const client::Meant meant =
       meant_or_fail(file, value_or_fail(client::read_user_keys(file)), options.sensor,
@@ -146,11 +148,11 @@ void renew(const PairOptions& options, const std::string& file) {
     static_cast<void>(kept.add(next));
     value_or_fail(client::write_user_keys(waiting, kept));
     const auto finished = client.finish(std::chrono::seconds(2));
-    if (!finished && !opens_sensor(options, options.sensor, next)) {
+    if (!finished && !opens_sensor(terms, next)) {
       throw Failure(Exit::kFailure, finished.error().message);
     }
     value_or_fail(client::add_user_key(file, next));
-    if (finished && !opens_sensor(options, options.sensor, next)) {
+    if (finished && !opens_sensor(terms, next)) {
       throw Failure(Exit::kFailure, file +
                                         ": has the new secret, but the sensor does not answer: "
                                         "try again with --renew");
@@ -175,7 +177,9 @@ void say_older(const wire::KeyTable& keys, const wire::Key& newest) {
 }
 
 void pair_with(const PairOptions& options, const std::string& file) {
-  Pairing pairing({options, options.sensor, file, options.again}, wish_of(options));
+  PairingTerms terms = pairing_terms(options, options.sensor, file);
+  terms.again = options.again;
+  Pairing pairing(std::move(terms), wish_of(options));
   pairing.start();
   if (pairing.by_digits()) {
     compare_digits(pairing.digits(), options);

@@ -17,6 +17,16 @@
 
 namespace stof::host {
 
+PairingTerms pairing_terms(const ControlFlags& flags, const std::string& sensor,
+                           const std::string& file) {
+  return {.sensor = sensor,
+          .serial = flags.serial,
+          .baud = flags.baud,
+          .device = flags.device,
+          .timeout_s = flags.timeout_s,
+          .file = file};
+}
+
 Pairing::Pairing(PairingTerms terms, client::PairWish wish)
     : terms_(std::move(terms)), wish_(std::move(wish)) {
   auto transport = open_way("pair", terms_.sensor, terms_.serial, terms_.baud);
@@ -39,7 +49,7 @@ wire::Key Pairing::finish(std::chrono::seconds patience, const std::function<boo
   // one of the sensor's.
   const auto finished = client_->finish(patience, goes_on);
   const wire::Key key = client_->key();
-  if (!finished && !opens_sensor(terms_, terms_.sensor, key)) {
+  if (!finished && !opens_sensor(terms_, key)) {
     throw Failure(Exit::kFailure, finished.error().message);
   }
   value_or_fail(client::add_user_key(terms_.file, key));
@@ -125,12 +135,12 @@ std::string kept_text(const wire::Key& key, const std::string& file) {
                  std::string(wire::role_text(key.role)).c_str(), file.c_str());
 }
 
-bool opens_sensor(const ControlFlags& flags, const std::string& sensor, const wire::Key& key) {
-  client::ControlOptions control = timing(flags.timeout_s);
+bool opens_sensor(const PairingTerms& terms, const wire::Key& key) {
+  client::ControlOptions control = timing(terms.timeout_s);
   control.device_id = key.device;
   control.unsigned_answers = client::Unsigned::kNever;
   static_cast<void>(control.keys.add(key));
-  client::ControlClient client(open_way("pair", sensor, flags.serial, flags.baud), control);
+  client::ControlClient client(open_way("pair", terms.sensor, terms.serial, terms.baud), control);
   const auto answer = client.request(wire::SettingsOperation::kKeys, {}, {});
   return answer && answer->result != wire::SettingsResult::kUnknownKey;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -14,11 +15,19 @@
 // pair`, and the page of `stof view`.
 namespace stof::host {
 
-struct PairingTerms : ControlFlags {
+struct PairingTerms {
+  // How it is reached, as ControlFlags has it.
   std::string sensor{};  // HOST[:PORT]; empty with `serial`
-  std::string file{};    // of this user's keys
-  bool again = false;    // also a sensor whose number another key has
+  std::string serial{};
+  unsigned baud = 0;
+  std::optional<std::uint32_t> device{};
+  double timeout_s = 0;
+  std::string file{};  // of this user's keys
+  bool again = false;  // also a sensor whose number another key has
 };
+// file: of the keys.
+PairingTerms pairing_terms(const ControlFlags& flags, const std::string& sensor,
+                           const std::string& file);
 
 class Pairing {
  public:
@@ -60,6 +69,6 @@ void need_key_room(const std::string& file);
 // "key ID of sensor NUMBER, ROLE, is in FILE".
 std::string kept_text(const wire::Key& key, const std::string& file);
 // The sensor takes this key; it drops the secret of before when it has seen the new one.
-bool opens_sensor(const ControlFlags& flags, const std::string& sensor, const wire::Key& key);
+bool opens_sensor(const PairingTerms& terms, const wire::Key& key);
 
 }  // namespace stof::host

@@ -133,11 +133,8 @@ std::string PagePairing::pair(const std::string& sensor, const viewer::BeginPair
   if (!wish.code.empty()) {
     prove_by_code(asked, wish.code);
   }
-  PairingTerms terms;
-  static_cast<ControlFlags&>(terms) = config_;
+  PairingTerms terms = pairing_terms(config_, sensor, config_.keys);
   terms.timeout_s = std::max(terms.timeout_s, 1.0);  // who waits sees it
-  terms.sensor = sensor;
-  terms.file = config_.keys;
   Pairing pairing(terms, asked);
   pairing.start();
   if (pairing.by_digits()) {
@@ -172,10 +169,11 @@ void PagePairing::look(const ShownSensor& sensor) {
   if (sensor.told) {
     try {
       const OwnRole own = own_role(sensor, config_);
-      const bool none = own.doubt.empty();
-      offer = none && own.role == "anybody" ? "unpaired"
-              : none && own.role == "none"  ? "no_key"
-                                            : "";
+      if (own.doubt.empty() && own.role == "anybody") {
+        offer = "unpaired";
+      } else if (own.doubt.empty() && own.role == "none") {
+        offer = "no_key";
+      }
     } catch (const std::exception&) {
       offer.clear();  // the settings panel says what is wrong with the file
     }

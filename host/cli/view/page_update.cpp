@@ -14,9 +14,9 @@
 namespace stof::host {
 namespace {
 
-constexpr double kPutPatience_s = 15;  // without an answer
-constexpr double kReadPatience_s = 0.5;
-constexpr double kVerdictWait_s = 240;
+constexpr double kPutPatienceS = 15;  // without an answer
+constexpr double kReadPatienceS = 0.5;
+constexpr double kVerdictWaitS = 240;
 constexpr std::size_t kMostReleases = 50;
 
 std::vector<viewer::ReleaseFile> releases_in(const std::filesystem::path& folder) {
@@ -98,7 +98,7 @@ void PageUpdate::read(const ShownSensor& sensor) {
     } else if (sensor.address.empty()) {
       found.problem = "no frame has come: nobody knows where the sensor is";
     } else {
-      const auto way = open_upload_way("update", sensor.address, config_, kReadPatience_s);
+      const auto way = open_upload_way("update", sensor.address, config_, kReadPatienceS);
       const auto state = way->uploads.state_of(wire::UploadKind::kUpdate);
       if (!state) {
         throw Failure(Exit::kFailure, state.error().message);
@@ -165,9 +165,9 @@ void PageUpdate::run(const std::string& sensor, const std::filesystem::path& fil
   try {
     need_crypto();
     const std::string bytes = read_release(file);
-    const auto way = open_upload_way("update", sensor, config_, kPutPatience_s);
+    const auto way = open_upload_way("update", sensor, config_, kPutPatienceS);
     const ReleaseEnd end =
-        put_release(*way, bytes, kVerdictWait_s,
+        put_release(*way, bytes, kVerdictWaitS,
                     {.sent =
                          [this](std::size_t now, std::size_t all) {
                            change([&](viewer::UpdateState& state) {
