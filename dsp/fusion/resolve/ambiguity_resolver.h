@@ -28,6 +28,7 @@ struct AmbiguityRow {
   // nullptr: they are published.
   ImageView<const Disparity> view = {};
   int y = 0;
+  ImageView<const std::uint8_t> whole = {};  // left picture, of which `picture` is row y, or empty
   const MatchEvidence* evidence = nullptr;
 };
 
