@@ -92,7 +92,6 @@ inline constexpr int kWideShadowMargin = 24;
 // each other and alike together: kept, confirmed (a kStereo becomes kBoth, what both allow),
 // contradicted (kConflict, kContradiction) or unsupported (kNone, kStereoAmbiguous). A doubtful one
 // is unsupported, too, unless its interval can be widened over the matches around (surroundings.h).
-//
 // Where there is a view, a kResolved by kStereoAmbiguous (the PMD against an indistinct match)
 // becomes kConflict by kContradiction if the matches around are on the match's side of the PMD's
 // interval: behind, or nearer by more than kMaxGuess.
