@@ -225,6 +225,7 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
   }
   if (!stereo.picture.empty()) {
     row.picture = stereo.picture.row(y);
+    row.whole = stereo.picture;
   }
   const FusedRow fused{out.depth.row(y), out.width.row(y), out.source.row(y),
                        out.cause.empty() ? scratch.cause : out.cause.row(y)};

@@ -34,6 +34,7 @@ struct MaskRow {
 //   alone     kStereo, or kResolved by kMixedPixel: the match and nothing else
 //   vague     kBoth with a disparity and a peak ratio of kVaguestRatio or more, or of kVagueRatio
 //             where kPmdEdge
+//   unsure    kResolved by kStereoAmbiguous: the PMD against a match
 struct PixelMasks {
   std::span<std::uint64_t> open;
   std::span<std::uint64_t> matched;
@@ -42,6 +43,7 @@ struct PixelMasks {
   std::span<std::uint64_t> edge;
   std::span<std::uint64_t> alone;
   std::span<std::uint64_t> vague;
+  std::span<std::uint64_t> unsure;
 };
 
 // Equal lengths n of the row, (n + 63) / 64 words each; any alignment; no overlap.
@@ -69,9 +71,9 @@ constexpr QuarterMm least_moved(QuarterMm pmd_range) noexcept {
   return static_cast<QuarterMm>(pmd_range - pmd_range / 16);
 }
 inline PixelMasks behind(const PixelMasks& masks, std::size_t x) noexcept {
-  return {masks.open.subspan(x / 64), masks.matched.subspan(x / 64), masks.folded.subspan(x / 64),
-          masks.weak.subspan(x / 64), masks.edge.subspan(x / 64),    masks.alone.subspan(x / 64),
-          masks.vague.subspan(x / 64)};
+  return {masks.open.subspan(x / 64),  masks.matched.subspan(x / 64), masks.folded.subspan(x / 64),
+          masks.weak.subspan(x / 64),  masks.edge.subspan(x / 64),    masks.alone.subspan(x / 64),
+          masks.vague.subspan(x / 64), masks.unsure.subspan(x / 64)};
 }
 
 }  // namespace stof::dsp

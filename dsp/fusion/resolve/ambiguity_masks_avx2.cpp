@@ -59,15 +59,18 @@ struct Bits {
   std::uint64_t edge;
   std::uint64_t alone;
   std::uint64_t vague;
+  std::uint64_t unsure;
 };
 
 Bits mark(const MaskRow& row, std::size_t x) noexcept {
   const u8x32 source = load<u8x32>(&row.source[x]);
-  const u8x32 mixed = equals(load<u8x32>(&row.cause[x]), Cause::kMixedPixel);
+  const u8x32 cause = load<u8x32>(&row.cause[x]);
+  const u8x32 mixed = equals(cause, Cause::kMixedPixel);
+  const u8x32 resolved = equals(source, Source::kResolved);
   const u8x32 conflict = equals(source, Source::kConflict);
   const u8x32 narrow = narrowed(narrow_ones(&row.pmd.low[x], &row.pmd.high[x]),
                                 narrow_ones(&row.pmd.low[x + 16], &row.pmd.high[x + 16]));
-  const u8x32 alone = equals(source, Source::kStereo) | (equals(source, Source::kResolved) & mixed);
+  const u8x32 alone = equals(source, Source::kStereo) | (resolved & mixed);
   const u8x32 both = equals(source, Source::kBoth);
   const u8x32 published = alone | both;
   const u8x32 ratio = load<u8x32>(&row.support.ratio[x]);
@@ -86,7 +89,8 @@ Bits mark(const MaskRow& row, std::size_t x) noexcept {
           edge,
           mask(alone),
           (mask(told & at_least(ratio, kVagueRatio)) & edge) |
-              mask(told & at_least(ratio, kVaguestRatio))};
+              mask(told & at_least(ratio, kVaguestRatio)),
+          mask(resolved & equals(cause, Cause::kStereoAmbiguous))};
 }
 
 }  // namespace
@@ -104,6 +108,7 @@ void ambiguity_masks(const MaskRow& row, const PixelMasks& masks) noexcept {
     store_word(a.edge, b.edge, &masks.edge[x / kMaskWord]);
     store_word(a.alone, b.alone, &masks.alone[x / kMaskWord]);
     store_word(a.vague, b.vague, &masks.vague[x / kMaskWord]);
+    store_word(a.unsure, b.unsure, &masks.unsure[x / kMaskWord]);
   }
   ref::ambiguity_masks(behind(row, x), behind(masks, x));
 }

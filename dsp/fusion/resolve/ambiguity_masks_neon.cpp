@@ -51,16 +51,18 @@ struct Masks {
   Mask edge;
   Mask alone;
   Mask vague;
+  Mask unsure;
 };
 
 void mark(const MaskRow& row, std::size_t x, std::size_t k, Masks& masks) noexcept {
   const uint8x16_t source = load_bytes(row.source, x);
-  const uint8x16_t mixed = equals(load_bytes(row.cause, x), Cause::kMixedPixel);
+  const uint8x16_t cause = load_bytes(row.cause, x);
+  const uint8x16_t mixed = equals(cause, Cause::kMixedPixel);
+  const uint8x16_t resolved = equals(source, Source::kResolved);
   const uint8x16_t conflict = equals(source, Source::kConflict);
   const uint8x16_t broad = vcombine_u8(wide(&row.pmd.low[x], &row.pmd.high[x]),
                                        wide(&row.pmd.low[x + 8], &row.pmd.high[x + 8]));
-  const uint8x16_t alone =
-      vorrq_u8(equals(source, Source::kStereo), vandq_u8(equals(source, Source::kResolved), mixed));
+  const uint8x16_t alone = vorrq_u8(equals(source, Source::kStereo), vandq_u8(resolved, mixed));
   const uint8x16_t both = equals(source, Source::kBoth);
   const uint8x16_t published = vorrq_u8(alone, both);
   const uint8x16_t ratio = vld1q_u8(&row.support.ratio[x]);
@@ -76,6 +78,7 @@ void mark(const MaskRow& row, std::size_t x, std::size_t k, Masks& masks) noexce
   masks.alone[k] = alone;
   const uint8x16_t least = vbslq_u8(edge, vdupq_n_u8(kVagueRatio), vdupq_n_u8(kVaguestRatio));
   masks.vague[k] = vandq_u8(vbicq_u8(both, none), vcgeq_u8(ratio, least));
+  masks.unsure[k] = vandq_u8(resolved, equals(cause, Cause::kStereoAmbiguous));
 }
 
 }  // namespace
@@ -95,6 +98,7 @@ void ambiguity_masks(const MaskRow& row, const PixelMasks& marks) noexcept {
     store_word(packed(masks.edge), &marks.edge[x / kMaskWord]);
     store_word(packed(masks.alone), &marks.alone[x / kMaskWord]);
     store_word(packed(masks.vague), &marks.vague[x / kMaskWord]);
+    store_word(packed(masks.unsure), &marks.unsure[x / kMaskWord]);
   }
   ref::ambiguity_masks(behind(row, x), behind(marks, x));
 }

@@ -19,7 +19,7 @@ void check_ambiguity_masks(const MaskRow& row, const PixelMasks& masks) noexcept
   STOF_CHECK(masks.open.size() == words && masks.matched.size() == words &&
              masks.folded.size() == words && masks.weak.size() == words &&
              masks.edge.size() == words && masks.alone.size() == words &&
-             masks.vague.size() == words);
+             masks.vague.size() == words && masks.unsure.size() == words);
 }
 
 namespace ref {
@@ -41,7 +41,7 @@ bool is_folded(const MaskRow& row, std::size_t x) noexcept {
 void ambiguity_masks(const MaskRow& row, const PixelMasks& masks) noexcept {
   check_ambiguity_masks(row, masks);
   for (const auto& words : {masks.open, masks.matched, masks.folded, masks.weak, masks.edge,
-                            masks.alone, masks.vague}) {
+                            masks.alone, masks.vague, masks.unsure}) {
     std::ranges::fill(words, 0U);
   }
   for (std::size_t x = 0; x < row.disparity.size(); ++x) {
@@ -58,6 +58,7 @@ void ambiguity_masks(const MaskRow& row, const PixelMasks& masks) noexcept {
     const bool edge = (row.support.pmd_flags[x] & kPmdEdge) != 0;
     const bool vague = source == Source::kBoth && row.disparity[x].valid() &&
                        row.support.ratio[x] >= (edge ? kVagueRatio : kVaguestRatio);
+    const bool unsure = source == Source::kResolved && row.cause[x] == Cause::kStereoAmbiguous;
     const std::uint64_t bit = std::uint64_t{1} << (x % 64);
     masks.open[x / 64] |= open ? bit : 0;
     masks.matched[x / 64] |= matched ? bit : 0;
@@ -66,6 +67,7 @@ void ambiguity_masks(const MaskRow& row, const PixelMasks& masks) noexcept {
     masks.edge[x / 64] |= edge ? bit : 0;
     masks.alone[x / 64] |= alone ? bit : 0;
     masks.vague[x / 64] |= vague ? bit : 0;
+    masks.unsure[x / 64] |= unsure ? bit : 0;
   }
 }
 

@@ -9,8 +9,10 @@
 #include "dsp/base/index.h"
 #include "dsp/fusion/resolve/ambiguity_masks.h"
 #include "dsp/fusion/resolve/fattened_edge.h"
-#include "dsp/fusion/resolve/matched_surface.h"
+#include "dsp/fusion/resolve/fused_pixels.h"
+#include "dsp/fusion/resolve/open_run.h"
 #include "dsp/fusion/resolve/pixel_set.h"
+#include "dsp/fusion/resolve/surroundings.h"
 #include "dsp/pmd/pmd_maps.h"
 #include "dsp/stereo/match_params.h"
 
@@ -19,40 +21,27 @@ namespace {
 
 // Of a part of the way between two matches: less than kSurfaceStep times as much fits int.
 constexpr int kPartBits = 20;
-// Matches that alone speak for a pixel, so near each other, have one verdict.
-constexpr std::size_t kJudgedTogether = 8;  // px
-constexpr int kJudgedStep = 12;             // 1/16 px
+constexpr int kJudgedStep = 12;  // 1/16 px
 // A step of disparity that an edge has at least, of the nearer parallax.
 constexpr int kCutShare = 20;
-// Half of the widest interval.
-constexpr int kMostHalf = kMaxQuarterMm / 2;
-
-// Pixels begin .. end - 1 that have yet to be resolved, and the nearest matches before and behind.
-struct Run {
-  std::size_t begin = 0;
-  std::size_t end = 0;
-  Disparity left;
-  Disparity right;
-  std::size_t left_at = 0;
-  std::size_t right_at = 0;
-
-  int to_left(std::size_t x) const noexcept { return static_cast<int>(x - left_at); }
-  int to_right(std::size_t x) const noexcept { return static_cast<int>(right_at - x); }
-};
 
 template <typename Table>
-class AmbiguityResolver {
+class AmbiguityResolver : private FusedPixels {
  public:
   AmbiguityResolver(const AmbiguityRow& row, const AmbiguityParams& params, const Table& table,
                     const FusedRow& out) noexcept
-      : row_(row), params_(params), table_(table), out_(out) {}
+      : FusedPixels(out),
+        row_(row),
+        params_(params),
+        table_(table),
+        around_(row.view, row.y, table, out) {}
 
   void run() noexcept {
     const std::size_t n = row_.disparity.size();
     best::ambiguity_masks({row_.disparity, row_.weak, row_.support, row_.stereo, row_.pmd,
                            out_.source, out_.cause, params_.max_range, params_.pmd_range},
                           {open_.words(n), matched_.words(n), folded_.words(n), weak_.words(n),
-                           edge_.words(n), alone_.words(n), vague_.words(n)});
+                           edge_.words(n), alone_.words(n), vague_.words(n), unsure_.words(n)});
     std::ranges::fill(confirmed_.words(n), 0U);
     if (params_.wide_pmd) {
       believe_surest_matches();
@@ -60,21 +49,27 @@ class AmbiguityResolver {
     drop_far_matches();
     judge_alone();
     judge_vague();
+    if (!row_.view.empty()) {
+      judge_unsure();
+    }
     if (!row_.picture.empty()) {
       cut_edges();
     }
-    each_run([this](const Run& run) noexcept {
+    each_run([this](const OpenRun& run) noexcept {
       resolve_shadow(run);
       confirm_weak(run);
     });
     matched_.unite(confirmed_, n);
-    each_run([this](const Run& run) noexcept {
+    each_run([this](const OpenRun& run) noexcept {
       resolve_gap(run);
       resolve_edges(run);
       if (!row_.view.empty()) {
         take_readings(run);
       }
     });
+    if (!row_.view.empty() && !params_.wide_pmd) {
+      around_.judge_edges(edge_);
+    }
     drop_wide_edges();
     folded_.each(n, [this](std::size_t x) noexcept {
       if (out_.source[x] == Source::kConflict) {
@@ -95,7 +90,7 @@ class AmbiguityResolver {
     std::size_t behind = 0;
     for (std::size_t x = open_.next(0, n); x < n; x = open_.next(behind, n)) {
       behind = open_.next_without(x, n);
-      Run run;
+      OpenRun run;
       run.begin = x;
       run.end = behind;
       run.left_at = matched_.before(x);
@@ -116,26 +111,6 @@ class AmbiguityResolver {
     return {table_, raw, half};
   }
 
-  void drop(std::size_t x, Source source, Cause cause) noexcept {
-    out_.depth[x] = kNoDepth;
-    out_.width[x] = 0;
-    out_.source[x] = source;
-    out_.cause[x] = cause;
-  }
-
-  void put(std::size_t x, const DepthRange& range, Source source, Cause cause) noexcept {
-    out_.depth[x] = middle_of(range.low, range.high);
-    out_.width[x] = width_of(range.low, range.high);
-    out_.source[x] = source;
-    out_.cause[x] = cause;
-  }
-
-  // Widens the interval of a published depth, which stays its middle.
-  void widen(std::size_t x, int half) noexcept {
-    const int depth = out_.depth[x];
-    out_.width[x] = static_cast<QuarterMm>(
-        2 * std::min({std::max(out_.width[x] / 2, half), depth - 1, kMostHalf}));
-  }
   // Over the PMD's.
   void cover_pmd(std::size_t x) noexcept {
     const DepthRange seen = pmd(x);
@@ -157,7 +132,7 @@ class AmbiguityResolver {
   }
 
   // Whether a surface beside the pixel, as possible as the published one, is much nearer.
-  bool may_be_nearer(std::size_t x, const Run& run) const noexcept {
+  bool may_be_nearer(std::size_t x, const OpenRun& run) const noexcept {
     const auto nearer = [&](Disparity match, int away) noexcept {
       if (!match.valid() || away > params_.doubt_px) {
         return false;
@@ -215,12 +190,15 @@ class AmbiguityResolver {
         end = x + kJudgedTogether;
         sure = is_sure(x);
         raw = row_.disparity[x].raw;
-        said = row_.evidence->judge({.x = static_cast<int>(x),
-                                     .y = row_.y,
-                                     .disparity = row_.disparity[x],
-                                     .ratio = row_.support.ratio[x],
-                                     .interval = published(x)},
-                                    row_.view);
+        said = row_.evidence->judge(
+            {.x = static_cast<int>(x),
+             .y = row_.y,
+             .disparity = row_.disparity[x],
+             .ratio = row_.support.ratio[x],
+             .interval = published(x),
+             .contrast =
+                 row_.whole.empty() ? 0 : contrast(row_.whole, static_cast<int>(x), row_.y)},
+            row_.view);
       }
       finish_alone(x, said);
     });
@@ -241,6 +219,12 @@ class AmbiguityResolver {
           }
         }
         return;
+      case MatchEvidence::Verdict::kDoubtful:
+        if (around_.cover_others(x)) {
+          return;
+        }
+        drop(x, Source::kNone, Cause::kStereoAmbiguous);
+        break;
       case MatchEvidence::Verdict::kContradicted:
         drop(x, Source::kConflict, Cause::kContradiction);
         break;
@@ -253,12 +237,6 @@ class AmbiguityResolver {
 
   bool is_sure(std::size_t x) const noexcept { return row_.support.ratio[x] < kSureRatio; }
 
-  DepthInterval published(std::size_t x) const noexcept {
-    const int half = out_.width[x] / 2;
-    return {static_cast<QuarterMm>(std::max(out_.depth[x] - half, 1)),
-            static_cast<QuarterMm>(std::min(out_.depth[x] + half, int{kMaxQuarterMm}))};
-  }
-
   // Matches that may be of the other surface of an edge of the PMD, or of any.
   void judge_vague() noexcept {
     const std::size_t n = row_.disparity.size();
@@ -268,6 +246,28 @@ class AmbiguityResolver {
         matched_.remove(x);
       } else {
         cover_pmd(x);
+      }
+    });
+  }
+
+  // What the PMD says against matches that have rivals.
+  void judge_unsure() noexcept {
+    std::size_t end = 0;  // of what is judged together
+    bool behind = false;
+    bool outvoted = false;
+    unsure_.each(row_.disparity.size(), [&](std::size_t x) noexcept {
+      const DepthRange seen = pmd(x);
+      const bool farther = row_.stereo.low[x] > seen.high;
+      if (!farther && seen.low - row_.stereo.high[x] <= kMaxGuess) {
+        return;
+      }
+      if (x >= end || farther != behind) {
+        end = x + kJudgedTogether;
+        behind = farther;
+        outvoted = around_.outvotes_pmd(x, seen, behind);
+      }
+      if (outvoted) {
+        drop(x, Source::kConflict, Cause::kContradiction);
       }
     });
   }
@@ -327,7 +327,7 @@ class AmbiguityResolver {
     });
   }
 
-  bool publish(std::size_t x, const Run& run, const MatchedSurface<Table>& where, Source source,
+  bool publish(std::size_t x, const OpenRun& run, const MatchedSurface<Table>& where, Source source,
                Cause cause) noexcept {
     const DepthInterval interval = where.at(x);
     const DepthRange both = common({std::max<int>(interval.low, 1), interval.high}, pmd(x));
@@ -348,7 +348,7 @@ class AmbiguityResolver {
   }
 
   // The pixels of a run that only the left camera sees.
-  void resolve_shadow(const Run& run) noexcept {
+  void resolve_shadow(const OpenRun& run) noexcept {
     if (!run.right.valid()) {
       return;
     }
@@ -386,7 +386,7 @@ class AmbiguityResolver {
   }
 
   // The pixels' own matches, which become neighbours of others.
-  void confirm_weak(const Run& run) noexcept {
+  void confirm_weak(const OpenRun& run) noexcept {
     for (std::size_t x = weak_.next(run.begin, run.end); x < run.end;
          x = weak_.next(x + 1, run.end)) {
       if (open_.has(x) && publish(x, run, surface(row_.weak[x].raw), Source::kBoth, Cause::kNone) &&
@@ -398,7 +398,7 @@ class AmbiguityResolver {
   }
 
   // Between two matches of one surface.
-  void resolve_gap(const Run& run) noexcept {
+  void resolve_gap(const OpenRun& run) noexcept {
     const int step = run.right.raw - run.left.raw;
     if (!run.left.valid() || !run.right.valid() || std::abs(step) >= kSurfaceStep) {
       return;
@@ -414,7 +414,7 @@ class AmbiguityResolver {
 
   // Where the pair is there, and matches tell nothing: what the PMD read is better than the middle
   // of its interval, and than surfaces further away where there is a match on one side at most.
-  void take_readings(const Run& run) noexcept {
+  void take_readings(const OpenRun& run) noexcept {
     const bool between = run.left.valid() && run.right.valid();
     for (std::size_t x = run.begin; x < run.end; ++x) {
       if (!open_.has(x) || out_.source[x] != Source::kPmd) {
@@ -433,7 +433,7 @@ class AmbiguityResolver {
 
   // Where the PMD says that there is an edge: the surface that is nearest in the picture, or the
   // other one.
-  void resolve_edges(const Run& run) noexcept {
+  void resolve_edges(const OpenRun& run) noexcept {
     std::size_t x = edge_.next(run.begin, run.end);
     if (x == run.end) {
       return;
@@ -460,7 +460,7 @@ class AmbiguityResolver {
   const AmbiguityRow& row_;
   const AmbiguityParams& params_;
   const Table& table_;
-  const FusedRow& out_;
+  const Surroundings<Table> around_;
   PixelSet open_;       // that have yet to be resolved
   PixelSet matched_;    // whose match was published and stands for a surface
   PixelSet confirmed_;  // by their weak match
@@ -469,6 +469,7 @@ class AmbiguityResolver {
   PixelSet edge_;       // where the PMD says that there is an edge
   PixelSet alone_;      // by their match and nothing else
   PixelSet vague_;      // by a match of high ratio, where the PMD says that there is an edge
+  PixelSet unsure_;     // by the PMD against a match of high ratio
 };
 
 template <typename Table>

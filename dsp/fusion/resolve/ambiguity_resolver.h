@@ -28,6 +28,7 @@ struct AmbiguityRow {
   // nullptr: they are published.
   ImageView<const Disparity> view = {};
   int y = 0;
+  ImageView<const std::uint8_t> whole = {};  // left picture, of which `picture` is row y, or empty
   const MatchEvidence* evidence = nullptr;
 };
 
@@ -89,7 +90,11 @@ inline constexpr int kWideShadowMargin = 24;
 //
 // Then pixels that only their match speaks for are judged by MatchEvidence, some that are near
 // each other and alike together: kept, confirmed (a kStereo becomes kBoth, what both allow),
-// contradicted (kConflict, kContradiction) or unsupported (kNone, kStereoAmbiguous).
+// contradicted (kConflict, kContradiction) or unsupported (kNone, kStereoAmbiguous). A doubtful one
+// is unsupported, too, unless its interval can be widened over the matches around (surroundings.h).
+// Where there is a view, a kResolved by kStereoAmbiguous (the PMD against an indistinct match)
+// becomes kConflict by kContradiction if the matches around are on the match's side of the PMD's
+// interval: behind, or nearer by more than kMaxGuess.
 //
 // Where the left picture is there, matches below kNeighbourRatio that lie before the edge of what
 // they were matched to (fattened_edge.h), across pixels without one from L, kSurfaceStep behind it
@@ -132,6 +137,8 @@ inline constexpr int kWideShadowMargin = 24;
 //   or it lies between L and R, and the PMD's near end is nearer by more than kMaxVagueGuess;
 //   or the PMD alone is left of it, and its near end is nearer by more than kMaxGuess;
 //   or its match alone is left of it, and the PMD's near end is nearer by more than kMaxSureGuess.
+// A kPmd at an edge, of fine pixels and where there is a view, is dropped likewise where matches
+// around are nearer by more than kMaxGuess; else its interval is widened to kEdgeShare.
 // A match at an edge with a ratio of kVagueRatio or more is widened, and dropped beyond
 // kMaxVagueGuess, likewise; then it is no neighbour of others. Elsewhere one of kVaguestRatio or
 // more is widened over the PMD's interval.

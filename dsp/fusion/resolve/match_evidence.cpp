@@ -1,22 +1,34 @@
 #include "dsp/fusion/resolve/match_evidence.h"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 
 #include "dsp/base/index.h"
 #include "dsp/fusion/interval/intersect.h"
+#include "dsp/fusion/resolve/surrounding_matches.h"
 
 namespace stof::dsp {
 namespace {
 
-constexpr std::array<int, 2> kSupportRings{4, 8};  // px
-constexpr int kSupportShare = 24;                  // of the parallax
-constexpr int kMinSupportStep = 12;                // 1/16 px
+constexpr int kSupportShare = 24;    // of the parallax
+constexpr int kMinSupportStep = 12;  // 1/16 px
 constexpr int kEnoughSupport = 12;
 constexpr int kEnoughWhereSure = 6;
 constexpr int kEnoughOutside = 3;
+
+constexpr int kSupporters = 16;
+constexpr int kBeyondDoubt = 20;
+constexpr int kOutsideWeight = 9;
+constexpr int kRatioWeight = 12;
+constexpr int kLeastContrast = 7;  // a grey level for each pixel: noise
+
+// 16 times the logarithm to base 2, straight between powers of two. value: 1 or more.
+constexpr int log2_q4(int value) noexcept {
+  const int whole = static_cast<int>(std::bit_width(static_cast<unsigned>(value))) - 1;
+  return whole * 16 + (((value << 4) >> whole) - 16);
+}
 
 constexpr float kChanceShare = 8;         // of the range: agreement by chance is one in four
 constexpr float kAgreementShare = 0.05F;  // of the distance
@@ -31,6 +43,20 @@ DepthInterval reading_at(float centre, float reach, float scale) noexcept {
 }
 
 }  // namespace
+
+int contrast(ImageView<const std::uint8_t> picture, int x, int y) noexcept {
+  constexpr int kReach = 3;
+  const std::span<const std::uint8_t> row = picture.row(y);
+  int along = 0;
+  for (int at = std::max(x - kReach, 1); at <= std::min(x + kReach, picture.width() - 2); ++at) {
+    along += std::abs(row[index(at + 1)] - row[index(at - 1)]);
+  }
+  int across = 0;
+  for (int at = std::max(y - kReach, 1); at <= std::min(y + kReach, picture.height() - 2); ++at) {
+    across += std::abs(picture.at(x, at + 1) - picture.at(x, at - 1));
+  }
+  return std::max(along, across);
+}
 
 MatchEvidence::MatchEvidence(const Calibration& calibration, std::int16_t infinity_raw) noexcept
     : infinity_raw_(infinity_raw) {
@@ -92,6 +118,12 @@ MatchEvidence::Support MatchEvidence::inner_supporters(
   for (const int step : kSupportRings) {
     const Disparity* const above = here - step * disparity.stride();
     const Disparity* const below = here + step * disparity.stride();
+    if (step == kSupportRings.front()) {
+      for (const Disparity* const row : {above, here, below}) {
+        support.missing += (row[-step].valid() ? 0 : 1) + (row[step].valid() ? 0 : 1);
+      }
+      support.missing += (above->valid() ? 0 : 1) + (below->valid() ? 0 : 1);
+    }
     support.count += is_near(above - step) + is_near(above) + is_near(above + step) +
                      is_near(here - step) + is_near(here + step) + is_near(below - step) +
                      is_near(below) + is_near(below + step);
@@ -121,6 +153,7 @@ MatchEvidence::Support MatchEvidence::supporters(
         // None is far from every disparity.
         support.there += other ? 1 : 0;
         support.count += other && std::abs(row[index(x)].raw - raw) <= most ? 1 : 0;
+        support.missing += other && step == kSupportRings.front() && !row[index(x)].valid() ? 1 : 0;
       };
       ask_match(left, left != match.x);
       ask_match(right, right != match.x);
@@ -128,6 +161,17 @@ MatchEvidence::Support MatchEvidence::supporters(
     }
   }
   return support;
+}
+
+// For a match: each that supports it, and a constant; more where the PMD camera does not look.
+// Against it: pixels near it without a match, its peak ratio, and the logarithm of the contrast.
+// The weights are those of a regression (docs/DESIGN.md).
+bool MatchEvidence::is_beyond_doubt(const Match& match, const Support& support,
+                                    bool outside) noexcept {
+  const int supported = support.count * kSupporters / std::max(support.there, 1);
+  const int against = support.missing + match.ratio / kRatioWeight +
+                      (log2_q4(kLeastContrast + match.contrast) * 7) / 32;
+  return supported + (outside ? kOutsideWeight : 0) + kBeyondDoubt > against;
 }
 
 MatchEvidence::Result MatchEvidence::judge(const Match& match,
@@ -141,7 +185,8 @@ MatchEvidence::Result MatchEvidence::judge(const Match& match,
   const float half = static_cast<float>(high - low) / 2;
   const PmdView::Place place = view_.of(match.x, match.y, depth);
   if (!place.seen()) {
-    return {Verdict::kKept, {}};
+    const bool enough = around_ > 0 || is_beyond_doubt(match, support, true);
+    return {enough ? Verdict::kKept : Verdict::kDoubtful, {}};
   }
   const Said own = ask(place.column, place.row, place.distance, half);
   bool known = own.opinion != Opinion::kNone;
@@ -161,7 +206,8 @@ MatchEvidence::Result MatchEvidence::judge(const Match& match,
     return {Verdict::kUnsupported, {}};
   }
   if (!folded) {
-    return {Verdict::kKept, {}};
+    const bool enough = around_ > 0 || is_beyond_doubt(match, support, false);
+    return {enough ? Verdict::kKept : Verdict::kDoubtful, {}};
   }
   return {Verdict::kConfirmed,
           reading_at(place.distance - own.off, 2 * own.sigma + kFoldedMargin * place.distance,

@@ -11,6 +11,10 @@
 
 namespace stof::dsp {
 
+// What a picture changes by around a pixel: the sum of the differences between the neighbours of 7
+// pixels, fewer at its border, along the row or across it, whichever is more.
+int contrast(ImageView<const std::uint8_t> picture, int x, int y) noexcept;
+
 // Judges a match that no PMD interval confirms, or a surface that somebody else supposes. Two
 // things are asked: what the PMD pixel that would see it has read, even if that reading may have
 // wrapped and so has no distance (PmdMaps::folded); and, of a match, whether the matches around it
@@ -22,6 +26,7 @@ class MatchEvidence {
     kAllowed,       // of a surface: the PMD's reading may be one of it
     kConfirmed,     // the PMD's reading is one of it, a number of ranges away
     kContradicted,  // the PMD sees something else there
+    kDoubtful,      // of a match: it may be of a surface beside it
     kUnsupported,   // nothing but the match speaks for it
   };
   // A match and its interval, quarter mm.
@@ -31,6 +36,7 @@ class MatchEvidence {
     Disparity disparity;
     std::uint8_t ratio;  // peak ratio
     DepthInterval interval;
+    int contrast = 0;  // of the left picture around it (contrast())
   };
   struct Result {
     Verdict verdict;
@@ -60,6 +66,9 @@ class MatchEvidence {
   // with a folded reading that agrees; such a reading confirms it, but not that of a wide pixel
   // with kPmdEdge.
   // The margin of a reading that confirms it is a percent.
+  // Beside a fine PMD camera a match that no reading confirms may be of what is near, beyond its
+  // edge. It is doubtful where its support, with more of it the more the picture changes there and
+  // the less distinct it is, is not enough (is_beyond_doubt() in the source).
   Result judge(const Match& match, ImageView<const Disparity> disparity) const noexcept;
 
   // Whether a surface at Z `depth`, quarter mm, may be what pixel (x, y) of the left view shows:
@@ -85,10 +94,12 @@ class MatchEvidence {
   template <typename Hear>
   void ask_around(const PmdView::Place& place, float half, Hear hear) const noexcept;
   struct Support {
-    int count = 0;  // of matches that support it
-    int there = 0;  // pixels of the picture that might
+    int count = 0;    // of matches that support it
+    int there = 0;    // pixels of the picture that might
+    int missing = 0;  // of those near it, that have no match
     bool is_enough(int of_sixteen) const noexcept { return 16 * count >= of_sixteen * there; }
   };
+  static bool is_beyond_doubt(const Match& match, const Support& support, bool outside) noexcept;
   Support supporters(const Match& match, ImageView<const Disparity> disparity) const noexcept;
   static Support inner_supporters(const Match& match, int most,
                                   ImageView<const Disparity> disparity) noexcept;

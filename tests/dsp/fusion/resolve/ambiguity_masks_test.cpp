@@ -35,11 +35,12 @@ struct Marked {
   bool edge = false;
   bool alone = false;
   bool vague = false;
+  bool unsure = false;
   friend bool operator==(const Marked&, const Marked&) = default;
 };
 
 Marked run(const Pixel& p) {
-  std::array<std::uint64_t, 7> words{7, 7, 7, 7, 7, 7, 7};
+  std::array<std::uint64_t, 8> words{7, 7, 7, 7, 7, 7, 7, 7};
   const auto word = [&](std::size_t k) { return std::span(words).subspan(k, 1); };
   best::ambiguity_masks({{&p.disparity, 1},
                          {&p.weak, 1},
@@ -50,12 +51,12 @@ Marked run(const Pixel& p) {
                          {&p.cause, 1},
                          60000,
                          p.pmd_range},
-                        {word(0), word(1), word(2), word(3), word(4), word(5), word(6)});
+                        {word(0), word(1), word(2), word(3), word(4), word(5), word(6), word(7)});
   for (const std::uint64_t bits : words) {
     EXPECT_LE(bits, 1U);
   }
   return {words[0] != 0, words[1] != 0, words[2] != 0, words[3] != 0,
-          words[4] != 0, words[5] != 0, words[6] != 0};
+          words[4] != 0, words[5] != 0, words[6] != 0, words[7] != 0};
 }
 
 TEST(AmbiguityMasks, AWidePmdIntervalIsOpen) {
@@ -114,7 +115,7 @@ TEST(AmbiguityMasks, PublishedMatchesThatStandOutStandForASurface) {
   EXPECT_EQ(run({.source = Source::kStereo, .ratio = kNeighbourRatio - 1}), matched_alone);
   EXPECT_EQ(run({.source = Source::kBoth}), matched);
   EXPECT_EQ(run({.source = Source::kResolved, .cause = Cause::kMixedPixel}), matched_alone);
-  EXPECT_EQ(run({.source = Source::kResolved, .cause = Cause::kStereoAmbiguous}), Marked{});
+  EXPECT_FALSE(run({.source = Source::kResolved, .cause = Cause::kStereoAmbiguous}).matched);
   EXPECT_EQ(run({.source = Source::kStereo, .ratio = kNeighbourRatio}), Marked{.alone = true});
 }
 
@@ -134,6 +135,13 @@ TEST(AmbiguityMasks, AMatchWithRivalsAtAnEdgeOfThePmdIsVague) {
   other = vague;
   other.disparity = Disparity::none();  // its weak match
   EXPECT_FALSE(run(other).vague);
+}
+
+TEST(AmbiguityMasks, AMatchAgainstThePmdIsUnsureWhereThePmdWasBelieved) {
+  EXPECT_EQ(run({.source = Source::kResolved, .cause = Cause::kStereoAmbiguous}),
+            Marked{.unsure = true});
+  EXPECT_FALSE(run({.source = Source::kResolved, .cause = Cause::kMixedPixel}).unsure);
+  EXPECT_FALSE(run({.source = Source::kNone, .cause = Cause::kStereoAmbiguous}).unsure);
 }
 
 TEST(AmbiguityMasks, AWeakMatchCountsWithoutAnother) {
@@ -178,7 +186,7 @@ TEST(AmbiguityMasks, EqualReferenceForEveryLength) {
                          const std::size_t words = (c.length() + 63) / 64;
                          const auto word = [&] { return c.array<std::uint64_t>(words); };
                          const PixelMasks masks{word(), word(), word(), word(),
-                                                word(), word(), word()};
+                                                word(), word(), word(), word()};
                          c.run([&] { best::ambiguity_masks(row, masks); });
                        });
   }

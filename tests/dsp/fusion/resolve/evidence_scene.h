@@ -56,12 +56,13 @@ class EvidenceScene {
     std::ranges::fill(images_[1], high);
   }
   MatchEvidence::Result judge(std::uint8_t ratio = 200, int x = 32, int y = 24,
-                              DepthInterval interval = {11800, 12200}) {
+                              DepthInterval interval = {11800, 12200}, int contrast = 0) {
     return evidence.judge({.x = x,
                            .y = y,
                            .disparity = Disparity::from_pixels(20),
                            .ratio = ratio,
-                           .interval = interval},
+                           .interval = interval,
+                           .contrast = contrast},
                           view());
   }
 

@@ -1,6 +1,8 @@
 #include "dsp/fusion/resolve/match_evidence.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -40,6 +42,44 @@ TEST(MatchEvidence, MatchesAroundItSupportAMatch) {
     d = d.valid() ? Disparity::from_raw(20 * 16 + 14) : d;  // more than a 24th of the parallax
   }
   EXPECT_EQ(scene.judge(100).verdict, kUnsupported);
+}
+
+TEST(MatchEvidence, AnIndistinctMatchWhereThePictureChangesIsDoubtful) {
+  constexpr int kMuch = 100;
+  Scene scene;
+  EXPECT_EQ(scene.judge(100, 32, 24, {11800, 12200}, kMuch).verdict, kKept);
+  EXPECT_EQ(scene.judge(250, 32, 24, {11800, 12200}, 0).verdict, kKept);
+  EXPECT_EQ(scene.judge(250, 32, 24, {11800, 12200}, kMuch).verdict, kDoubtful);
+  scene.read(12100, 20);
+  EXPECT_EQ(scene.judge(250, 32, 24, {11800, 12200}, kMuch).verdict, kConfirmed);
+  Scene wide(70);  // what such a PMD camera does not see says little
+  EXPECT_EQ(wide.judge(250, 32, 24, {11800, 12200}, kMuch).verdict, kKept);
+}
+
+TEST(MatchEvidence, PixelsWithoutAMatchBesideItMakeItDoubtful) {
+  constexpr int kSome = 60;
+  Scene scene;
+  EXPECT_EQ(scene.judge(150, 32, 24, {11800, 12200}, kSome).verdict, kKept);
+  for (int y = 20; y <= 28; ++y) {
+    for (int x = 24; x < 32; ++x) {
+      scene.view().at(x, y) = Disparity::none();
+    }
+  }
+  EXPECT_EQ(scene.judge(150, 32, 24, {11800, 12200}, kSome).verdict, kDoubtful);
+}
+
+TEST(Contrast, IsThatAlongTheRowOrAcrossIt) {
+  std::vector<std::uint8_t> pixels(11 * 9, 50);
+  const ImageView<std::uint8_t> picture(pixels.data(), 11, 9);
+  EXPECT_EQ(contrast(picture, 4, 4), 0);
+  std::ranges::fill(picture.row(2), std::uint8_t{90});  // a level bar
+  EXPECT_EQ(contrast(picture, 4, 4), 80);
+  EXPECT_EQ(contrast(picture, 0, 0), 80);
+  EXPECT_EQ(contrast(picture, 4, 8), 0);
+  picture.at(9, 4) = 150;  // beside the last pixel that is asked
+  EXPECT_EQ(contrast(picture, 4, 4), 80);
+  picture.at(8, 4) = 150;
+  EXPECT_EQ(contrast(picture, 4, 4), 100);
 }
 
 TEST(MatchEvidence, AFoldedReadingOfTheSameSurfaceConfirms) {

@@ -64,10 +64,12 @@ struct ResolverRow {
                          .reading = reading,
                          .support = {ratio, flags},
                          .picture = picture,
-                         .view = viewed ? ImageView<const Disparity>(
-                                              disparity.data(), static_cast<int>(ratio.size()), 1,
-                                              static_cast<int>(ratio.size()))
-                                        : ImageView<const Disparity>()},
+                         .view = !around.empty() ? around
+                                 : viewed        ? ImageView<const Disparity>(
+                                                disparity.data(), static_cast<int>(ratio.size()), 1,
+                                                static_cast<int>(ratio.size()))
+                                          : ImageView<const Disparity>(),
+                         .y = y},
                         {.infinity_raw = 0,
                          .max_range = 40000,
                          .pmd_range = pmd_range,
@@ -89,6 +91,8 @@ struct ResolverRow {
   std::vector<std::uint8_t> ratio, flags;
   std::vector<std::uint8_t> picture;  // empty, or n
   bool viewed = false;                // the row belongs to a view of the pair
+  ImageView<const Disparity> around;  // in place of a view of one row: the row is its row y
+  int y = 0;
   std::vector<QuarterMm> depth, width;
   std::vector<Source> source;
   std::vector<Cause> cause;
