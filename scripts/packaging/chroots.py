@@ -27,12 +27,12 @@ class CheckError(Exception):
     """One line: what does not work, and what to do."""
 
 
-def run(*command, **options):
+def run(*command, name=None, **options):
     ended = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL, **options)
     if ended.returncode != 0:
         said = [line for line in (ended.stderr + ended.stdout).splitlines() if line.strip()]
         first = next((line for line in said if line.startswith("E:")), said[-1] if said else "no message")
-        raise CheckError(f"{' '.join(map(str, command[:6]))}: {first}")
+        raise CheckError(f"{name or ' '.join(map(str, command[:6]))}: {first}")
     return ended.stdout
 
 
@@ -90,7 +90,7 @@ def inside(root, *command, binds=(), environment=None):
     """What a command says in the system. binds: (folder of this machine, where it is in the system, "ro" or "rw")."""
     words = {"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "HOME": "/root", "DEBIAN_FRONTEND": "noninteractive", "LC_ALL": "C.UTF-8", **(environment or {})}
     return run("unshare", "--mount", "sh", "-c", ENTER, "sh", root, *(word for bind in binds for word in bind), "--",
-               "env", "-i", *(f"{name}={value}" for name, value in words.items()), *command)
+               "env", "-i", *(f"{name}={value}" for name, value in words.items()), *command, name=" ".join(map(str, command[:6])))
 
 
 def apt(root, *words):
