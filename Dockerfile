@@ -2,13 +2,14 @@
 FROM debian:bookworm AS build
 WORKDIR /stof
 COPY . .
-RUN scripts/setup run && cmake --preset package -Wno-dev && cmake --build build/package --target stofd stof
+RUN scripts/setup package
+RUN scripts/package --out /packages
 
 FROM debian:bookworm-slim
-# What stof is linked with, as the package stof-tools has it.
-RUN apt-get update && apt-get install -y --no-install-recommends libcholmod3 libcxsparse3 libgoogle-glog0v6 liblapack3 libpng16-16 libspqr2 libstdc++6 libzstd1 \
-  && rm -rf /var/lib/apt/lists/* && useradd stof
-COPY --from=build /stof/build/package/bin/stofd /stof/build/package/bin/stof /usr/local/bin/
+COPY --from=build /packages/ /packages/
+COPY scripts/packaging/container.sh /usr/local/bin/stof-container
+# By the packages, which know what they need; no init.
+RUN apt-get update && apt-get install -y --no-install-recommends systemd-standalone-sysusers /packages/*.deb && rm -rf /packages /var/lib/apt/lists/*
 USER stof
 EXPOSE 7560/udp
-ENTRYPOINT ["stofd"]
+ENTRYPOINT ["stof-container"]

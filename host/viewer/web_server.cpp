@@ -136,8 +136,9 @@ bool WebServer::Parts::listen(std::uint16_t at) {
   info.iface = options.every_interface ? nullptr : "127.0.0.1";
   info.protocols = protocols.data();
   info.user = this;
-  info.gid = -1;
-  info.uid = -1;
+  // -1: as they are. int, or in later libwebsockets the system's own types, which are unsigned.
+  info.gid = ~decltype(info.gid){0};
+  info.uid = ~decltype(info.uid){0};
   info.options = LWS_SERVER_OPTION_DISABLE_IPV6 | LWS_SERVER_OPTION_EXPLICIT_VHOSTS |
                  LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
   info.fd_limit_per_thread = static_cast<unsigned>(options.max_pages) + kSpareConnections;

@@ -1,6 +1,7 @@
-"""Fresh Debian systems in folders, and what packages of stof do in them. As root: chroot, apt and systemd-nspawn."""
+"""Fresh Debian systems in folders: packages are made in them, and tried. As root: chroot, apt and systemd-nspawn."""
 
 import contextlib
+import hashlib
 import os
 import pathlib
 import re
@@ -26,12 +27,12 @@ class CheckError(Exception):
     """One line: what does not work, and what to do."""
 
 
-def run(*command, **options):
+def run(*command, name=None, **options):
     ended = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL, **options)
     if ended.returncode != 0:
         said = [line for line in (ended.stderr + ended.stdout).splitlines() if line.strip()]
         first = next((line for line in said if line.startswith("E:")), said[-1] if said else "no message")
-        raise CheckError(f"{' '.join(map(str, command[:6]))}: {first}")
+        raise CheckError(f"{name or ' '.join(map(str, command[:6]))}: {first}")
     return ended.stdout
 
 
@@ -55,19 +56,68 @@ def base(suite, folder):
     return archive
 
 
+def unpack(archive, root):
+    run("tar", "-xf", archive, "-C", root, "--numeric-owner")
+    shutil.copyfile("/etc/resolv.conf", root / "etc/resolv.conf")
+
+
 @contextlib.contextmanager
 def unpacked(archive):
     with tempfile.TemporaryDirectory(prefix="stof_root_", dir=archive.parent) as folder:
         root = pathlib.Path(folder, archive.stem)
         root.mkdir()
-        run("tar", "-xf", archive, "-C", root, "--numeric-owner")
-        shutil.copyfile("/etc/resolv.conf", root / "etc/resolv.conf")
+        unpack(archive, root)
         yield root
 
 
+# In a mount namespace of its own: $1 the system, then FROM TO ro|rw of each bound folder, --, and the command.
+ENTER = """set -e
+root=$1; shift
+mount -t proc proc "$root/proc"
+mount --bind /dev/null "$root/dev/null" 2>/dev/null || true
+while [ "$1" != -- ]; do
+  mkdir -p "$root$2"
+  mount --bind "$1" "$root$2"
+  if [ "$3" = ro ]; then mount -o remount,bind,ro "$root$2"; fi
+  shift 3
+done
+shift
+exec chroot "$root" "$@"
+"""
+
+
+def inside(root, *command, binds=(), environment=None):
+    """What a command says in the system. binds: (folder of this machine, where it is in the system, "ro" or "rw")."""
+    words = {"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "HOME": "/root", "DEBIAN_FRONTEND": "noninteractive", "LC_ALL": "C.UTF-8", **(environment or {})}
+    return run("unshare", "--mount", "sh", "-c", ENTER, "sh", root, *(word for bind in binds for word in bind), "--",
+               "env", "-i", *(f"{name}={value}" for name, value in words.items()), *command, name=" ".join(map(str, command[:6])))
+
+
 def apt(root, *words):
-    return run("unshare", "--mount", "sh", "-c", 'mount -t proc proc "$1/proc" && mount --bind /dev/null "$1/dev/null" 2>/dev/null; root=$1; shift; exec chroot "$root" "$@"',
-               "sh", root, "env", "DEBIAN_FRONTEND=noninteractive", "LC_ALL=C", "apt-get", "-qq", "-o", "Acquire::Retries=3", *words)
+    return inside(root, "apt-get", "-qq", "-o", "Acquire::Retries=3", *words)
+
+
+def to_build(suite, tree, folder):
+    """A system that has what scripts/package takes; made anew when scripts/setup has changed."""
+    root = folder / f"{suite}-build"
+    made_of = root / "var/tmp/stof-setup"
+    wanted = hashlib.sha256((tree / "scripts/setup").read_bytes()).hexdigest()
+    if not made_of.exists() or made_of.read_text() != wanted:
+        shutil.rmtree(root, ignore_errors=True)
+        root.mkdir(parents=True)
+        unpack(base(suite, folder), root)
+        inside(root, "/stof/scripts/setup", "package", binds=[(tree, "/stof", "ro")])
+        made_of.write_text(wanted)
+    return root
+
+
+def make(suite, tree, folder, out, words, environment):
+    """What scripts/package with these words says in a Debian `suite`; its packages are in `out` then."""
+    builds = folder / f"{suite}-tree"  # is what it makes below build/
+    for place in (out, builds / "packages"):
+        place.mkdir(parents=True, exist_ok=True)
+    return inside(to_build(suite, tree, folder), "/stof/scripts/package", *words, environment=environment,
+                  binds=[(tree, "/stof", "ro"), (builds, "/stof/build", "rw"), (out, "/stof/build/packages", "rw")])
 
 
 def files(root):

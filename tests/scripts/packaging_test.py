@@ -94,10 +94,27 @@ class FilesTest(unittest.TestCase):
     def test_scripts_of_packages_are_programs_and_shell_reads_them(self):
         scripts = [path for path in (ROOT / "scripts/packaging/control").rglob("*") if path.name in ("postinst", "prerm", "postrm")]
         self.assertEqual(len(scripts), 5)
-        for script in (*scripts, ROOT / "scripts/packaging/trial.sh"):
+        for script in (*scripts, ROOT / "scripts/packaging/trial.sh", ROOT / "scripts/packaging/container.sh"):
             if script.name != "trial.sh":
                 self.assertTrue(script.stat().st_mode & stat.S_IXUSR, script)
             self.assertEqual(subprocess.run(["sh", "-n", script], check=False).returncode, 0, script)
+
+    def test_the_container_starts_what_is_copied_into_it(self):
+        rules = (ROOT / "Dockerfile").read_text()
+        for source, target in re.findall(r"^COPY (scripts/\S+) (\S+)$", rules, re.MULTILINE):
+            self.assertTrue((ROOT / source).stat().st_mode & stat.S_IXUSR, source)
+            self.assertIn(f'ENTRYPOINT ["{pathlib.PurePath(target).name}"]', rules)
+        for script in re.findall(r"^RUN (scripts/\w+)", rules, re.MULTILINE):
+            self.assertTrue((ROOT / script).stat().st_mode & stat.S_IXUSR, script)
+        with tempfile.TemporaryDirectory() as folder:
+            stofd = pathlib.Path(folder, "stofd")
+            stofd.write_text('#!/bin/sh\necho "stofd $*"\n')
+            stofd.chmod(0o755)
+            for given, taken in (((), "--scene corridor"), (("--size", "64x48"), "--size 64x48")):
+                said = subprocess.run(["sh", ROOT / "scripts/packaging/container.sh", *given], capture_output=True, text=True, check=True,
+                                      env={"PATH": f"{folder}:{os.environ['PATH']}"}).stdout
+                self.assertIn("stof view 127.0.0.1", said)
+                self.assertTrue(said.endswith(f"stofd {taken}\n"), said)
 
     def test_conffiles_are_installed(self):
         listed = (ROOT / "scripts/packaging/control/stofd/conffiles").read_text().split()

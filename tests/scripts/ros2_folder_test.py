@@ -9,18 +9,58 @@ import xml.etree.ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "ros2/stof_description"
+DRIVER = ROOT / "ros2/stof_driver"
 XACRO = "{http://www.ros.org/wiki/xacro}"
 
 
 class Ros2Folder(unittest.TestCase):
-    def test_package_has_the_version_and_name_of_the_project(self):
-        package = xml.etree.ElementTree.parse(PACKAGE / "package.xml").getroot()
-        self.assertEqual(package.findtext("name"), PACKAGE.name)
+    def test_packages_have_the_version_and_name_of_the_project(self):
         version = re.search(r"project\(stof VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text())[1]
-        self.assertEqual(package.findtext("version"), version)
-        self.assertTrue((PACKAGE / package.find("license").get("file")).resolve().is_file())
-        installed = re.search(r"install\(DIRECTORY ([\w ]+) DESTINATION", (PACKAGE / "CMakeLists.txt").read_text())[1].split()
-        self.assertEqual(sorted(installed), sorted(path.name for path in PACKAGE.iterdir() if path.is_dir()))
+        for folder in (PACKAGE, DRIVER):
+            package = xml.etree.ElementTree.parse(folder / "package.xml").getroot()
+            self.assertEqual(package.findtext("name"), folder.name)
+            self.assertEqual(package.findtext("version"), version)
+            self.assertTrue((folder / package.find("license").get("file")).resolve().is_file())
+            rules = (folder / "CMakeLists.txt").read_text()
+            self.assertRegex(rules, rf"project\({folder.name}\b")
+            installed = re.search(r"install\(DIRECTORY ([\w ]+) DESTINATION", rules)[1].split()
+            self.assertEqual(sorted(installed), sorted(path.name for path in folder.iterdir() if path.is_dir() and path.name != "src"))
+
+    def test_the_drivers_rules_name_what_its_sources_include(self):
+        rules = (DRIVER / "CMakeLists.txt").read_text()
+        package = xml.etree.ElementTree.parse(DRIVER / "package.xml").getroot()
+        sources = list((DRIVER / "src").iterdir())
+        included = {name for source in sources for name in re.findall(r"#include <(\w+)/[\w/]+\.hp?p?>", source.read_text())} - {"stof"}
+        included.add("std_msgs")  # by the messages
+        self.assertEqual(included, {depend.text for depend in package.findall("depend")})
+        for name in included:
+            self.assertRegex(rules, rf"\b{name}\b")
+        for source in sources:
+            self.assertTrue(source.suffix == ".h" or f"src/{source.name}" in rules, source)
+
+    def test_the_drivers_launch_file_sets_parameters_that_the_component_has(self):
+        text = (DRIVER / "launch/driver.launch.py").read_text()
+        compile(ast.parse(text), "driver.launch.py", "exec")
+        node = (DRIVER / "src/sensor_node.cpp").read_text()
+        declared = set(re.findall(r'declare_parameter<[\w:]+>\("(\w+)"', node))
+        told = set(re.findall(r'"(\w+)": ParameterValue', text))
+        self.assertTrue(told and told <= declared, told)
+        arguments = set(re.findall(r'DeclareLaunchArgument\("(\w+)"', text))
+        self.assertEqual(arguments, set(re.findall(r'LaunchConfiguration\("(\w+)"\)', text)))
+        plugin = re.search(r'plugin="([\w:]+)"', text)[1]
+        self.assertIn(f"RCLCPP_COMPONENTS_REGISTER_NODE({plugin})", node)
+        self.assertIn(f'PLUGIN "{plugin}"', (DRIVER / "CMakeLists.txt").read_text())
+
+    def test_the_driver_publishes_what_the_bridge_does(self):
+        node = (DRIVER / "src/sensor_node.cpp").read_text()
+        table = (ROOT / "host/bridge/topics.h").read_text()
+        names = re.findall(r'create_publisher<[\w:]+>\(\s*"([\w/]+)"', node)
+        self.assertEqual(len(names), 4)
+        for name in names:
+            self.assertIn(f'{{"{name}", ', table)
+        for suffix in ("_link", "_left_optical_frame"):
+            self.assertIn(f'prefix_ + "{suffix}"', node)
+            self.assertIn(f'prefix + "{suffix}"', (ROOT / "host/bridge/topics.cpp").read_text())
 
     def test_urdf_mounts_the_bridges_link(self):
         macro = xml.etree.ElementTree.parse(PACKAGE / "urdf/stof.urdf.xacro").getroot().find(f"{XACRO}macro")

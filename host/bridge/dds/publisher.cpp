@@ -15,11 +15,11 @@ namespace {
 
 // The high-water mark is above all that KEEP_LAST keeps, so that no reader makes a writer wait. A
 // user's own settings come behind and win.
-std::string configuration(unsigned fragment) {
+std::string configuration(unsigned fragment, unsigned datagram) {
   constexpr unsigned kHeaders = 56;  // of a fragment in its datagram
-  const std::string datagram = std::to_string(fragment + kHeaders);
-  const std::string ours = "<General><MaxMessageSize>" + datagram +
-                           "B</MaxMessageSize><MaxRexmitMessageSize>" + datagram +
+  const unsigned least = fragment + kHeaders;
+  const std::string ours = "<General><MaxMessageSize>" + std::to_string(std::max(datagram, least)) +
+                           "B</MaxMessageSize><MaxRexmitMessageSize>" + std::to_string(least) +
                            "B</MaxRexmitMessageSize><FragmentSize>" + std::to_string(fragment) +
                            "B</FragmentSize></General><Internal><Watermarks><WhcHigh>64MB"
                            "</WhcHigh></Watermarks></Internal>";
@@ -89,7 +89,8 @@ struct Publisher::Parts {
 
 std::expected<Publisher, std::string> Publisher::open(const PublisherOptions& options) {
   auto parts = std::make_unique<Parts>();
-  parts->domain = dds_create_domain(options.domain, configuration(options.fragment).c_str());
+  parts->domain =
+      dds_create_domain(options.domain, configuration(options.fragment, options.datagram).c_str());
   if (parts->domain < 0) {
     return std::unexpected(trouble(
         "DDS domain " + std::to_string(options.domain) + ": check the network and CYCLONEDDS_URI",

@@ -115,9 +115,15 @@ void add_bridge(CLI::App& app, BridgeOptions& options) {
   command
       .add_option(
           "--fragment", options.fragment,
-          "Bytes of a message in a datagram at most; 60000 saves time where all readers are "
+          "Bytes of a message that are sent again as one; 60000 saves time where all readers are "
           "on this computer")
       ->check(CLI::Range(bridge::kLeastFragment, bridge::kMostFragment))
+      ->capture_default_str();
+  command
+      .add_option("--datagram", options.datagram,
+                  "Bytes of a datagram at most; 1400, which is never cut into IP fragments, where "
+                  "the network loses more than one packet of a thousand")
+      ->check(CLI::Range(bridge::kNetworkDatagram, bridge::kMostDatagram))
       ->capture_default_str();
   command.add_option("--mount", options.mount,
                      "PARENT:X,Y,Z[,ROLL,PITCH,YAW], metres and radians: where the sensor is in "

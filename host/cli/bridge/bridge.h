@@ -16,6 +16,7 @@ struct BridgeOptions : ReceiveOptions {
   std::string name_space = "stof";
   std::uint32_t domain = 0;
   unsigned fragment = 1344;       // bytes
+  unsigned datagram = 14'720;     // bytes
   int cloud_step = 4;             // 0: no cloud
   std::string mount{};            // PARENT:X,Y,Z[,ROLL,PITCH,YAW]; empty: not told
   bool loop = false;              // of a recording

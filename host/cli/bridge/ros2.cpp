@@ -274,8 +274,10 @@ void bridge_ros2(const BridgeOptions& options, const bridge::Mount& mount) {
   if (is_recorded(options.sensor)) {
     value_or_fail(recording::FrameReader::open(options.sensor));
   }
-  auto publisher = bridge::Publisher::open(
-      {.domain = options.domain, .fragment = options.fragment, .name_space = options.name_space});
+  auto publisher = bridge::Publisher::open({.domain = options.domain,
+                                            .fragment = options.fragment,
+                                            .datagram = options.datagram,
+                                            .name_space = options.name_space});
   if (!publisher) {
     throw Failure(Exit::kFailure, publisher.error());
   }
