@@ -17,7 +17,10 @@ std::size_t ClientFrames::head_size() const noexcept {
     return 2;
   }
   const auto size = static_cast<std::uint8_t>(head_[1] & ~kMasked);
-  const std::size_t more = size == kEightBytes ? 8 : size == kTwoBytes ? 2 : 0;
+  std::size_t more = 0;
+  if (size >= kTwoBytes) {
+    more = size == kEightBytes ? 8 : 2;
+  }
   return 2 + more + kMaskBytes;
 }
 

@@ -175,9 +175,13 @@ void ConnectionGuard::Connection::go_on(std::span<const pollfd> polled, Clock::t
   const auto has = [&](std::size_t which, int events) {
     return (polled[which].revents & events) != 0;
   };
+  const Stage before = stage_;
   if (has(0, POLLIN | POLLHUP | POLLERR) && !read_outer(admit)) {
     end();
     return;
+  }
+  if (stage_ != before) {
+    until_ = now + patience;
   }
   if (has(1, POLLOUT) && !in_.empty() && !send_from(inner_, in_)) {
     in_.clear();  // what the server says of it is still to come
@@ -188,12 +192,12 @@ void ConnectionGuard::Connection::go_on(std::span<const pollfd> polled, Clock::t
     until_ = now + kFarewell;
   }
   if (!out_.empty()) {
-    const std::size_t before = out_.size();
+    const std::size_t size = out_.size();
     if (!send_from(outer_, out_)) {
       end();
       return;
     }
-    if (out_.size() < before && !inner_ended_) {
+    if (out_.size() < size && !inner_ended_) {
       until_ = now + patience;
     }
   }

@@ -169,7 +169,7 @@ void WebServer::Parts::take_visits() {
     const std::scoped_lock lock(visits_mutex);
     come.swap(visits);
   }
-  for (Visit& visit : come) {
+  for (const Visit& visit : come) {
     const int fd = dup(visit.socket.get());
     if (fd >= 0) {
       origins[fd] = visit.origin;

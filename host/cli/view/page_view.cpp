@@ -36,13 +36,10 @@ void add_page_flags(CLI::App& command, PageOptions& options) {
   command.add_flag("--no-browser", options.no_browser, "Print the page's address, open no browser");
 }
 
-void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
-                    viewer::ViewerOptions shown) {
-  if (options.lan_control && !options.lan) {
-    throw Failure(Exit::kBadInput,
-                  "--lan-control: goes with --lan: without it no other machine "
-                  "opens the page");
-  }
+namespace {
+
+// Throws Failure.
+void judge_origins(const PageOptions& options) {
   for (const std::string& origin : options.foxglove_origins) {
     // As a browser sends it: "null" would be any page that hides where it is from.
     const std::size_t colon = origin.find("://");
@@ -54,6 +51,18 @@ void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
                         ": is no origin: give https://app.foxglove.dev, or file://");
     }
   }
+}
+
+}  // namespace
+
+void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
+                    viewer::ViewerOptions shown) {
+  if (options.lan_control && !options.lan) {
+    throw Failure(Exit::kBadInput,
+                  "--lan-control: goes with --lan: without it no other machine "
+                  "opens the page");
+  }
+  judge_origins(options);
   std::error_code error;
   if (!shown.recording && !std::filesystem::is_directory(options.record_to, error)) {
     throw Failure(Exit::kBadInput, "--record-to: " + options.record_to.string() +

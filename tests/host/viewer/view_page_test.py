@@ -430,7 +430,8 @@ class Pages(unittest.TestCase):
                     page.frame()
                 with self.assertRaises(Closed) as closed:
                     page.send(b'{"show":["depth"],"frames":1,"quiet":false}', masked=False)
-                    while True:
+                    end = time.monotonic() + ENOUGH_S
+                    while time.monotonic() < end:
                         page.receive()
                 self.assertEqual(closed.exception.status, 1002)
 
