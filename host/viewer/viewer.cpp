@@ -1,6 +1,7 @@
 #include "host/viewer/viewer.h"
 
 #include <array>
+#include <chrono>
 #include <cstring>
 #include <mutex>
 #include <utility>
@@ -11,6 +12,8 @@
 #include <unistd.h>
 
 #include "host/viewer/broadcast.h"
+#include "host/viewer/foxglove/foxglove_channels.h"
+#include "host/viewer/foxglove/foxglove_message.h"
 #include "host/viewer/page_source.h"
 #include "host/viewer/web_server.h"
 
@@ -45,6 +48,12 @@ std::vector<std::string> own_addresses() {
   return all;
 }
 
+std::int64_t wall_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
 }  // namespace
 
 // Answers come from any thread, also when the server is not there yet, or not any more.
@@ -72,7 +81,9 @@ struct Viewer::Parts {
   bool lan;
   bool recording;
   std::optional<Broadcast> broadcast{};
-  std::optional<WebServer> server{};  // last: its thread uses the others
+  std::optional<FoxgloveChannels> foxglove{};
+  std::optional<bridge::RobotFeed> robot{};  // of the receiver's thread; publishes to them
+  std::optional<WebServer> server{};         // last: its thread uses the others
 
   ~Parts() { wake->set(nullptr); }
 };
@@ -88,22 +99,36 @@ std::expected<Viewer, std::string> Viewer::open(const ViewerOptions& options) {
                                          .lan = options.lan,
                                          .recording = options.recording});
   // A frame of a recording is as new as it was.
+  const Broadcast::Clock::duration most_age =
+      options.recording ? std::chrono::hours(1000) : Broadcast::kMostAge;
   parts->broadcast.emplace(hello_message(options.sensor, options.scale, options.recording),
-                           options.recording ? std::chrono::hours(1000) : Broadcast::kMostAge,
-                           options.serve, [wake = parts->wake] { wake->pages(); });
+                           most_age, options.serve, [wake = parts->wake] { wake->pages(); });
+  parts->foxglove.emplace("stof " + options.sensor, most_age,
+                          [wake = parts->wake] { wake->pages(); });
+  parts->robot.emplace(*parts->foxglove, bridge::FeedOptions{});
+  parts->robot->place_frames(wall_ns());
+  std::vector<Subprotocol> subprotocols{
+      {.name = "stof.view.v1", .open_conversation = [all = &*parts->broadcast](PageRight right) {
+         return all->open_conversation(reason(right));
+       }}};
+  for (const std::string_view name : kFoxgloveSubprotocols) {
+    subprotocols.push_back(
+        {.name = name, .foxglove = true, .open_conversation = [all = &*parts->foxglove](PageRight) {
+           return all->open_conversation();
+         }});
+  }
   std::expected<WebServer, std::string> server =
       WebServer::open({.page = kPage,
                        .policy = kPagePolicy,
+                       .subprotocols = std::move(subprotocols),
                        .rules = {.host_name = own_host_name(),
                                  .token = parts->token,
                                  .lan_control = options.lan && options.lan_control,
-                                 .any_address = options.lan},
+                                 .any_address = options.lan,
+                                 .foxglove_origins = options.foxglove_origins},
                        .every_interface = options.lan,
                        .port = options.port.value_or(kDefaultPort),
-                       .or_any_port = !options.port,
-                       .open_conversation = [all = &*parts->broadcast](PageRight right) {
-                         return all->open_conversation(reason(right));
-                       }});
+                       .or_any_port = !options.port});
   if (!server) {
     return std::unexpected(server.error());
   }
@@ -124,11 +149,15 @@ std::vector<std::string> Viewer::addresses() const {
   return all;
 }
 
-bool Viewer::visited() const noexcept { return parts_->broadcast->visited(); }
+bool Viewer::visited() const noexcept {
+  return parts_->broadcast->visited() || parts_->foxglove->visited();
+}
 
 bool Viewer::has_page() noexcept { return kHasPage; }
 
-void Viewer::show(const client::Frame& frame, std::optional<double> latency_ms) {
+void Viewer::show(const client::Frame& frame, std::optional<double> latency_ms,
+                  const bridge::RobotFeed::Times& times) {
+  parts_->robot->show(frame, times);
   if (parts_->broadcast->wanted() || parts_->recording) {
     parts_->broadcast->show(copy_of(frame, latency_ms));
     parts_->wake->pages();
@@ -136,8 +165,14 @@ void Viewer::show(const client::Frame& frame, std::optional<double> latency_ms) 
 }
 
 void Viewer::tell(const Status& status) {
-  if (visited()) {
+  if (parts_->broadcast->visited()) {
     tell(Topic::kStatus, status_message(status));
+  }
+}
+
+void Viewer::tell(const bridge::RobotFeed::Link& link) {
+  if (parts_->foxglove->visited()) {
+    parts_->robot->tell(link, wall_ns());
   }
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/bridge/robot_feed.h"
 #include "host/viewer/broadcast.h"
 #include "host/viewer/requests.h"
 #include "host/viewer/status_message.h"
@@ -22,6 +23,8 @@ struct ViewerOptions {
   bool lan_control = false;             // and have done what the page of this machine may
   std::optional<std::uint16_t> port{};  // none: kDefaultPort, or any free one where it is taken
   Serve serve{};                        // does what pages want; none: nothing
+  // "https://app.foxglove.dev": where Foxglove or Lichtblick that may look runs in a browser.
+  std::vector<std::string> foxglove_origins{};
 };
 
 // The page in the browser: its server and what it is shown. For one thread, the receiver's, unless
@@ -39,15 +42,19 @@ class Viewer {
   // What to open, the best one first: of this machine, then (`lan`) of each of its networks. With
   // the token: for the user's eyes alone.
   std::vector<std::string> addresses() const;
-  // Somebody has opened the page.
+  // Somebody has opened the page, or connected by Foxglove's protocol.
   bool visited() const noexcept;
   // False: this build has no page, but one that says how to build it.
   static bool has_page() noexcept;
 
   // A frame is copied where a page waits for one, or may yet ask for it, as it halts (of a
-  // recording); the newest wins.
-  void show(const client::Frame& frame, std::optional<double> latency_ms);
+  // recording), and made into messages where a client of Foxglove's protocol subscribed to them;
+  // the newest wins. times: when it came.
+  void show(const client::Frame& frame, std::optional<double> latency_ms,
+            const bridge::RobotFeed::Times& times);
   void tell(const Status& status);
+  // The state as diagnostics, to clients of Foxglove's protocol.
+  void tell(const bridge::RobotFeed::Link& link);
   void tell(const wire::EventReport& event, const std::string& text);
   // For any thread.
   void tell(Topic topic, std::string json);

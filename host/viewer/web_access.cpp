@@ -1,5 +1,6 @@
 #include "host/viewer/web_access.h"
 
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -73,6 +74,19 @@ bool own_name(const AccessRules& rules, std::string_view name) noexcept {
   return rest.empty() || same_name(rest, ".local");
 }
 
+bool own_origin(const WebRequest& request) noexcept {
+  constexpr std::string_view kScheme = "http://";
+  return request.origin.empty() || (request.origin.starts_with(kScheme) &&
+                                    same_name(request.origin.substr(kScheme.size()), request.host));
+}
+
+bool foxglove_origin(const AccessRules& rules, const WebRequest& request) noexcept {
+  return request.foxglove &&
+         std::ranges::any_of(rules.foxglove_origins, [&](const std::string& one) {
+           return same_name(one, request.origin);
+         });
+}
+
 }  // namespace
 
 const char* reason(Access access) noexcept {
@@ -92,16 +106,13 @@ const char* reason(Access access) noexcept {
 }
 
 Access judge(const AccessRules& rules, const WebRequest& request) noexcept {
-  constexpr std::string_view kScheme = "http://";
   if (request.host.empty()) {
     return Access::kNoHost;
   }
   if (!own_name(rules, name_of_host(request.host))) {
     return Access::kForeignHost;
   }
-  if (!request.origin.empty() &&
-      (!request.origin.starts_with(kScheme) ||
-       !same_name(request.origin.substr(kScheme.size()), request.host))) {
+  if (!own_origin(request) && !foxglove_origin(rules, request)) {
     return Access::kForeignPage;
   }
   if (!rules.token.empty() && (request.token.size() != rules.token.size() ||

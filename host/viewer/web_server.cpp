@@ -1,14 +1,21 @@
 #include "host/viewer/web_server.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <mutex>
+#include <ranges>
 #include <thread>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include <libwebsockets.h>
 #include <unistd.h>
+
+#include "host/viewer/connection_guard.h"
+#include "posix/fd.h"
 
 namespace stof::viewer {
 namespace {
@@ -16,9 +23,16 @@ namespace {
 constexpr int kStalledSeconds = 10;
 constexpr int kRequestSeconds = 4;  // that a request may take to come
 constexpr std::size_t kMostHeaderBytes = 2048;
-// Requests beside the connected pages; what comes then waits to be accepted.
-constexpr unsigned kSpareConnections = 16;
+// Beside the connections: what libwebsockets has for itself.
+constexpr std::size_t kSpareDescriptors = 8;
+constexpr std::size_t kMostWaiting = 64;        // connections that are no WebSocket
 constexpr std::size_t kHugePacket = 64U << 20;  // a frame is given to the socket at once
+
+// A request that is to be answered.
+struct Visit {
+  posix::Fd socket{};
+  PageOrigin origin{};
+};
 
 // One connection. libwebsockets keeps the pointer.
 struct Connection {
@@ -85,6 +99,10 @@ struct WebServer::Parts {
   explicit Parts(WebServerOptions all) : options(std::move(all)) {}
   ~Parts() {
     stopping = true;
+    if (guard_thread.joinable()) {
+      guard->stop();
+      guard_thread.join();
+    }
     if (context != nullptr) {
       lws_cancel_service(context);
     }
@@ -99,6 +117,9 @@ struct WebServer::Parts {
   Parts& operator=(const Parts&) = delete;
 
   bool listen(std::uint16_t at);
+  bool start();
+  void admit(posix::Fd socket, const PageOrigin& origin);
+  void take_visits();
   static int callback(lws* wsi, lws_callback_reasons reason, void* user, void* in,
                       std::size_t size);
   int on_http(lws* wsi, std::string_view path);
@@ -108,40 +129,78 @@ struct WebServer::Parts {
   static int on_message(lws* wsi, Connection& connection, std::string_view part);
   int on_writeable(lws* wsi, Connection& connection);
   Access access(lws* wsi) const;
+  std::vector<const Subprotocol*> offered(lws* wsi) const;
 
   WebServerOptions options;
-  std::array<lws_protocols, 2> protocols{};
+  std::vector<lws_protocols> protocols{};
   lws_retry_bo_t idle{};
   lws_context* context = nullptr;
   lws_vhost* host = nullptr;
   std::vector<std::uint8_t> scratch{};  // what is sent, behind LWS_PRE bytes
   std::size_t pages = 0;
+  std::mutex visits_mutex;
+  std::vector<Visit> visits{};                    // that came since the server's thread looked
+  std::unordered_map<int, PageOrigin> origins{};  // by the socket's descriptor
+  std::unique_ptr<ConnectionGuard> guard{};
   std::atomic<bool> stopping = false;
-  std::thread thread{};  // last: it uses what stands above
+  std::thread guard_thread{};  // last: they use what stands above
+  std::thread thread{};
 };
 
 bool WebServer::Parts::listen(std::uint16_t at) {
+  guard = ConnectionGuard::open(
+      {.every_interface = options.every_interface, .port = at, .most_waiting = kMostWaiting},
+      [this](posix::Fd socket, const PageOrigin& origin) { admit(std::move(socket), origin); });
+  return guard != nullptr;
+}
+
+// Of the guard's thread.
+void WebServer::Parts::admit(posix::Fd socket, const PageOrigin& origin) {
+  {
+    const std::scoped_lock lock(visits_mutex);
+    visits.push_back({.socket = std::move(socket), .origin = origin});
+  }
+  lws_cancel_service(context);
+}
+
+void WebServer::Parts::take_visits() {
+  std::vector<Visit> come;
+  {
+    const std::scoped_lock lock(visits_mutex);
+    come.swap(visits);
+  }
+  for (const Visit& visit : come) {
+    const int fd = dup(visit.socket.get());
+    if (fd >= 0) {
+      origins[fd] = visit.origin;
+      lws_adopt_socket_vhost(host, fd);  // which closes it where it cannot
+    }
+  }
+}
+
+bool WebServer::Parts::start() {
   const KeptSigpipe kept;
-  protocols = {};
-  protocols[0].name = options.subprotocol.data();
-  protocols[0].callback = &Parts::callback;
-  protocols[0].per_session_data_size = sizeof(Slot);
-  protocols[0].rx_buffer_size = kMaxPageMessage;
-  protocols[0].tx_packet_size = kHugePacket;
+  protocols.assign(options.subprotocols.size() + 1, {});  // the last one: their end
+  for (std::size_t i = 0; i < options.subprotocols.size(); ++i) {
+    protocols[i].name = options.subprotocols[i].name.data();
+    protocols[i].callback = &Parts::callback;
+    protocols[i].per_session_data_size = sizeof(Slot);
+    protocols[i].rx_buffer_size = kMaxPageMessage;
+    protocols[i].tx_packet_size = kHugePacket;
+  }
   idle.secs_since_valid_ping = kStalledSeconds;
   idle.secs_since_valid_hangup = 2 * kStalledSeconds;
   lws_set_log_level(0, nullptr);
   lws_context_creation_info info{};
-  info.port = at;
-  info.iface = options.every_interface ? nullptr : "127.0.0.1";
+  info.port = CONTEXT_PORT_NO_LISTEN_SERVER;  // the guard listens
   info.protocols = protocols.data();
   info.user = this;
   // -1: as they are. int, or in later libwebsockets the system's own types, which are unsigned.
   info.gid = ~decltype(info.gid){0};
   info.uid = ~decltype(info.uid){0};
-  info.options = LWS_SERVER_OPTION_DISABLE_IPV6 | LWS_SERVER_OPTION_EXPLICIT_VHOSTS |
-                 LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
-  info.fd_limit_per_thread = static_cast<unsigned>(options.max_pages) + kSpareConnections;
+  info.options = LWS_SERVER_OPTION_DISABLE_IPV6 | LWS_SERVER_OPTION_EXPLICIT_VHOSTS;
+  info.fd_limit_per_thread =
+      static_cast<unsigned>(options.max_pages + kMostWaiting + kSpareDescriptors);
   info.max_http_header_data = 2 * kMostHeaderBytes;
   info.timeout_secs = kRequestSeconds;
   info.timeout_secs_ah_idle = kRequestSeconds;
@@ -161,16 +220,37 @@ bool WebServer::Parts::listen(std::uint16_t at) {
   return true;
 }
 
+// Those of ours that the client offers, in its order; empty where one of them is not ours.
+std::vector<const Subprotocol*> WebServer::Parts::offered(lws* wsi) const {
+  std::vector<const Subprotocol*> all;
+  const std::string list = header(wsi, WSI_TOKEN_PROTOCOL);
+  for (const auto part : std::views::split(std::string_view(list), ',')) {
+    std::string_view name(part.begin(), part.end());
+    name.remove_prefix(std::min(name.find_first_not_of(" \t"), name.size()));
+    name = name.substr(0, name.find_last_not_of(" \t") + 1);
+    const auto known = std::ranges::find(options.subprotocols, name, &Subprotocol::name);
+    if (known == options.subprotocols.end()) {
+      return {};
+    }
+    all.push_back(&*known);
+  }
+  return all;
+}
+
 Access WebServer::Parts::access(lws* wsi) const {
   const std::string host_header = header(wsi, WSI_TOKEN_HOST);
   const std::string origin = header(wsi, WSI_TOKEN_ORIGIN);
   const std::string token = token_of(wsi);
-  return judge(options.rules, {.host = host_header, .origin = origin, .token = token});
+  const std::vector<const Subprotocol*> spoken = offered(wsi);
+  const bool foxglove = !spoken.empty() && std::ranges::all_of(spoken, &Subprotocol::foxglove);
+  return judge(options.rules,
+               {.host = host_header, .origin = origin, .token = token, .foxglove = foxglove});
 }
 
 int WebServer::Parts::answer(lws* wsi, unsigned status, const char* type, std::string_view body) {
   constexpr std::pair<const char*, const char*> kAlways[] = {
       {"cache-control:", "no-store"},
+      {"connection:", "close"},
       {"cross-origin-opener-policy:", "same-origin"},
       {"cross-origin-resource-policy:", "same-origin"},
       {"permissions-policy:", "camera=(), microphone=(), geolocation=()"},
@@ -203,7 +283,7 @@ int WebServer::Parts::answer(lws* wsi, unsigned status, const char* type, std::s
   if (lws_write(wsi, scratch.data() + LWS_PRE, body.size(), LWS_WRITE_HTTP_FINAL) < 0) {
     return -1;
   }
-  return lws_http_transaction_completed(wsi) != 0 ? -1 : 0;
+  return -1;  // one request for each connection: what is left of the answer still goes
 }
 
 int WebServer::Parts::on_http(lws* wsi, std::string_view path) {
@@ -212,8 +292,7 @@ int WebServer::Parts::on_http(lws* wsi, std::string_view path) {
     return answer(wsi, 403, kText, std::string(reason(verdict)) + "\n");
   }
   if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) == 0) {
-    answer(wsi, 405, kText, "only GET\n");
-    return -1;  // with whatever body it has
+    return answer(wsi, 405, kText, "only GET\n");
   }
   if (path != "/") {
     return answer(wsi, 404, kText, "there is one page: /\n");
@@ -228,7 +307,7 @@ int WebServer::Parts::on_upgrade(lws* wsi) const {
     status = HTTP_STATUS_FORBIDDEN;
   } else if (pages >= options.max_pages) {
     status = HTTP_STATUS_SERVICE_UNAVAILABLE;
-  } else if (header(wsi, WSI_TOKEN_PROTOCOL) != options.subprotocol) {
+  } else if (offered(wsi).empty()) {
     status = HTTP_STATUS_BAD_REQUEST;
   }
   if (status == 0) {
@@ -242,11 +321,17 @@ int WebServer::Parts::on_connected(lws* wsi, Slot& slot) {
   if (pages >= options.max_pages) {
     return -1;
   }
-  PageOrigin page = origin_of(lws_get_socket_fd(wsi));
+  const auto known = origins.find(lws_get_socket_fd(wsi));
+  PageOrigin page = known == origins.end() ? PageOrigin{} : known->second;
   page.names_origin = !header(wsi, WSI_TOKEN_ORIGIN).empty();
+  const std::string_view name = lws_get_protocol(wsi)->name;  // of a copy of ours
+  const auto spoken = std::ranges::find(options.subprotocols, name, &Subprotocol::name);
+  if (spoken == options.subprotocols.end()) {
+    return -1;
+  }
   slot.connection = new Connection{
       // NOLINT
-      .conversation = options.open_conversation(judge_page(options.rules, page, geteuid()))};
+      .conversation = spoken->open_conversation(judge_page(options.rules, page, geteuid()))};
   ++pages;
   return 0;
 }
@@ -320,7 +405,10 @@ int WebServer::Parts::callback(lws* wsi, lws_callback_reasons reason, void* user
       }
       return 0;
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
-      lws_callback_on_writable_all_protocol(parts->context, parts->protocols.data());
+      parts->take_visits();
+      for (std::size_t i = 0; i < parts->options.subprotocols.size(); ++i) {
+        lws_callback_on_writable_all_protocol(parts->context, &parts->protocols[i]);
+      }
       return 0;
     case LWS_CALLBACK_HTTP_BODY:
       return -1;
@@ -341,6 +429,10 @@ std::expected<WebServer, std::string> WebServer::open(WebServerOptions options) 
     return std::unexpected("TCP port " + std::to_string(all.port) +
                            " cannot be had: give another --http-port, 0 for any free one");
   }
+  if (!parts->start()) {
+    return std::unexpected("the page's server cannot begin: too many files or too little memory");
+  }
+  parts->guard_thread = without_signals([raw = parts.get()] { raw->guard->run(); });
   parts->thread = without_signals([raw = parts.get()] {
     while (!raw->stopping && lws_service(raw->context, 0) >= 0) {
     }
@@ -348,9 +440,7 @@ std::expected<WebServer, std::string> WebServer::open(WebServerOptions options) 
   return WebServer(std::move(parts));
 }
 
-std::uint16_t WebServer::port() const noexcept {
-  return static_cast<std::uint16_t>(lws_get_vhost_listen_port(parts_->host));
-}
+std::uint16_t WebServer::port() const noexcept { return parts_->guard->port(); }
 
 void WebServer::wake() noexcept { lws_cancel_service(parts_->context); }
 

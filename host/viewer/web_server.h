@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "host/viewer/conversation.h"
 #include "host/viewer/page_rights.h"
@@ -13,18 +14,24 @@
 
 namespace stof::viewer {
 
+// What is spoken over a WebSocket.
+struct Subprotocol {
+  std::string_view name{};  // ends with a 0; outlives the server
+  bool foxglove = false;    // see AccessRules::foxglove_origins
+  // Somebody has connected who speaks it. Called by the server's thread. right: whether it may have
+  // something done (page_rights.h).
+  std::function<std::unique_ptr<Conversation>(PageRight right)> open_conversation{};
+};
+
 struct WebServerOptions {
-  std::string_view page{};    // HTML; outlives the server
-  std::string_view policy{};  // its Content-Security-Policy; outlives the server
-  std::string_view subprotocol = "stof.view.v1";
+  std::string_view page{};                  // HTML; outlives the server
+  std::string_view policy{};                // its Content-Security-Policy; outlives the server
+  std::vector<Subprotocol> subprotocols{};  // a client that offers more of them gets its first
   AccessRules rules{};
   bool every_interface = false;  // false: loopback alone
   std::uint16_t port = 0;        // 0: any free one
   bool or_any_port = false;      // where that one is taken
   std::size_t max_pages = 8;     // connected at a time; the next is refused (503)
-  // A page has connected. Called by the server's thread.
-  // right: whether it may have something done (page_rights.h).
-  std::function<std::unique_ptr<Conversation>(PageRight right)> open_conversation{};
 };
 
 // Serves one page over HTTP and talks with it over a WebSocket, in a thread of its own, by

@@ -5,14 +5,15 @@
 #include <fstream>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "host/bridge/dds/publisher.h"
 #include "host/bridge/robot_feed.h"
 #include "host/cli/failure.h"
+#include "host/cli/live/robot_state.h"
 #include "host/cli/sensor/find_sensor.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/stop_signal.h"
-#include "host/client/arrival_clock.h"
 #include "host/recording/recording.h"
 #include "host/text/printed.h"
 
@@ -23,8 +24,6 @@ using std::chrono::nanoseconds;
 using std::chrono::seconds;
 
 constexpr std::chrono::milliseconds kLook{50};
-// Health comes once a second; what is older says nothing of now.
-constexpr std::chrono::milliseconds kHealthTold{2500};
 
 std::int64_t wall_ns() {
   return std::chrono::duration_cast<nanoseconds>(
@@ -102,17 +101,9 @@ class LiveBridge {
 
  private:
   void show(const client::Frame& frame) {
-    const client::ArrivalClock::Now now = client::ArrivalClock::now();
-    const std::int64_t offset =
-        std::chrono::duration_cast<nanoseconds>(now.wall - now.monotonic.time_since_epoch())
-            .count();
-    bridge::RobotFeed::Times times{.first_packet_ns = count_ns(frame.first_packet),
-                                   .wall_offset_ns = offset};
-    if (const std::optional<client::Duration> way = receiver_->round_trip()) {
-      times.round_trip_ns = std::chrono::duration_cast<nanoseconds>(*way).count();
-    }
+    const bridge::RobotFeed::Times times = times_of(frame, *receiver_);
     const std::int64_t stamp = feed_.show(frame, times);
-    times_.add(frame.stamp.number, stamp, count_ns(frame.last_packet) + offset);
+    times_.add(frame.stamp.number, stamp, count_ns(frame.last_packet) + times.wall_offset_ns);
     if (origin_ != frame.origin.session_id) {
       say(first_frame_line(options_, *receiver_, frame.origin.device_id) +
           (origin_ ? ", which has started again" : ""));
@@ -130,18 +121,15 @@ class LiveBridge {
       return;
     }
     const client::LinkState state = receiver_->link();
-    bridge::RobotFeed::Link link{.place = place_of(*receiver_),
-                                 .statistics = receiver_->statistics()};
+    std::string trouble;
     if (state.silent) {
-      link.trouble = printed("no frame for %.1f s",
-                             std::chrono::duration<double>(
-                                 state.frame_age.value_or(client::Time::clock::now() - began_))
-                                 .count()) +
-                     silence_text(*receiver_, options_.device);
+      trouble = printed("no frame for %.1f s",
+                        std::chrono::duration<double>(
+                            state.frame_age.value_or(client::Time::clock::now() - began_))
+                            .count()) +
+                silence_text(*receiver_, options_.device);
     }
-    if (state.health_age && *state.health_age < kHealthTold) {
-      link.health = receiver_->health();
-    }
+    const bridge::RobotFeed::Link link = link_of(*receiver_, std::move(trouble));
     while (const std::optional<wire::EventReport> event = receiver_->take_event()) {
       say(event_line(*event));
       told_.reset();

@@ -8,6 +8,7 @@
 
 #include "firmware/wire/messages/conditions.h"
 #include "host/cli/failure.h"
+#include "host/cli/live/robot_state.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/view/status_line.h"
@@ -32,8 +33,30 @@ void add_page_flags(CLI::App& command, PageOptions& options) {
                      "with your key of role admin");
   command.add_option("--fault-socket", options.fault_socket,
                      "Of an emulated sensor, as stofd has it: the page can make it fail");
+  command.add_option("--foxglove-origin", options.foxglove_origins,
+                     "Where Foxglove or Lichtblick that may connect runs in a browser, such as "
+                     "https://app.foxglove.dev; also file:// of a desktop program");
   command.add_flag("--no-browser", options.no_browser, "Print the page's address, open no browser");
 }
+
+namespace {
+
+// Throws Failure.
+void judge_origins(const PageOptions& options) {
+  for (const std::string& origin : options.foxglove_origins) {
+    // As a browser sends it: "null" would be any page that hides where it is from.
+    const std::size_t colon = origin.find("://");
+    const bool file = origin == "file://";
+    if (!file && (colon == 0 || colon == std::string::npos || colon + 3 == origin.size() ||
+                  origin.find('/', colon + 3) != std::string::npos)) {
+      throw Failure(Exit::kBadInput,
+                    "--foxglove-origin: " + origin +
+                        ": is no origin: give https://app.foxglove.dev, or file://");
+    }
+  }
+}
+
+}  // namespace
 
 void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
                     viewer::ViewerOptions shown) {
@@ -42,6 +65,7 @@ void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
                   "--lan-control: goes with --lan: without it no other machine "
                   "opens the page");
   }
+  judge_origins(options);
   std::error_code error;
   if (!shown.recording && !std::filesystem::is_directory(options.record_to, error)) {
     throw Failure(Exit::kBadInput, "--record-to: " + options.record_to.string() +
@@ -68,6 +92,7 @@ void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
     raw->serve(std::move(wish), std::move(answer));
   };
   shown.lan_control = options.lan_control;
+  shown.foxglove_origins = options.foxglove_origins;
   shown.lan = options.lan;
   shown.port = options.http_port;
   std::expected<viewer::Viewer, std::string> viewer = viewer::Viewer::open(shown);
@@ -101,11 +126,11 @@ PageView::~PageView() {
   }
 }
 
-void PageView::show(const client::Frame& frame) {
+void PageView::show(const client::Frame& frame, const bridge::RobotFeed::Times& times) {
   if (viewer_) {
     device_ = frame.origin.device_id;
     device_known_ = true;
-    viewer_->show(frame, latency_ms(frame));
+    viewer_->show(frame, latency_ms(frame), times);
   }
 }
 
@@ -181,12 +206,14 @@ void PageView::look(const ReceiveOptions& options, client::Receiver& receiver, c
 
 void PageView::tell_status(const ReceiveOptions& options, client::Receiver& receiver) {
   const client::LinkState link = receiver.link();
-  viewer_->tell(
-      {.statistics = receiver.statistics(),
-       .link = link,
-       .health = receiver.health(),
-       .health_text = receiver.health() ? health_line(*receiver.health()) : "",
-       .waiting = link.silent ? "no frame comes" + silence_text(receiver, options.device) : ""});
+  const std::string waiting =
+      link.silent ? "no frame comes" + silence_text(receiver, options.device) : "";
+  viewer_->tell({.statistics = receiver.statistics(),
+                 .link = link,
+                 .health = receiver.health(),
+                 .health_text = receiver.health() ? health_line(*receiver.health()) : "",
+                 .waiting = waiting});
+  viewer_->tell(link_of(receiver, waiting));
 }
 
 void PageView::tell_recorded(const client::Statistics& statistics,
@@ -198,6 +225,8 @@ void PageView::tell_recorded(const client::Statistics& statistics,
                    .health = health,
                    .health_text = health ? health_line(*health) : "",
                    .waiting = ""});
+    viewer_->tell(bridge::RobotFeed::Link{
+        .place = receive_->sensor, .health = health, .statistics = statistics, .recording = true});
   }
 }
 

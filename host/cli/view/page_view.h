@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -20,10 +21,11 @@ struct PageOptions {
   bool lan = false;                        // others on the network may look, with a token
   bool lan_control = false;                // and change what the page of this machine may
   bool no_browser = false;
-  std::filesystem::path record_to = ".";  // folder of what the page records
-  std::filesystem::path update_from;      // folder of releases; empty: the page puts none
-  std::string fault_socket;               // of an emulated sensor; empty: none
-  std::string program;                    // name and version, for recordings
+  std::filesystem::path record_to = ".";      // folder of what the page records
+  std::filesystem::path update_from;          // folder of releases; empty: the page puts none
+  std::string fault_socket;                   // of an emulated sensor; empty: none
+  std::vector<std::string> foxglove_origins;  // see viewer::ViewerOptions
+  std::string program;                        // name and version, for recordings
 };
 
 void add_page_flags(CLI::App& command, PageOptions& options);
@@ -40,7 +42,8 @@ class PageView {
   // with its keys; outlives it.
   void open(const PageOptions& options, const ReceiveOptions& receive, viewer::ViewerOptions shown);
 
-  void show(const client::Frame& frame);
+  // times: when it came.
+  void show(const client::Frame& frame, const bridge::RobotFeed::Times& times);
   void tell(const wire::EventReport& event, const std::string& text);
   // Of a sensor, all of it behind each look at the receiver: what is recorded, what the page wants
   // done, and twice a second how things are.

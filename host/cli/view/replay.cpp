@@ -177,7 +177,7 @@ class Player {
   void show(const recording::RecordedFrame& frame) {
     ++(frame.missing_packets == 0 ? counts_.frames_complete : counts_.frames_incomplete);
     counts_.packets_missing += frame.missing_packets;
-    page_.show(frame.view());
+    page_.show(frame.view(), {.first_packet_ns = static_cast<std::int64_t>(frame.log_time)});
     // An event is told in the first turn alone: the page keeps the list.
     const auto events = source_.events();
     for (; turns_ == 0 && events_ < events.size(); ++events_) {

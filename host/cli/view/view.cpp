@@ -7,6 +7,7 @@
 #include "dataset/files/file.h"
 #include "host/cli/failure.h"
 #include "host/cli/live/link_teller.h"
+#include "host/cli/live/robot_state.h"
 #include "host/cli/output.h"
 #include "host/cli/receive.h"
 #include "host/cli/sensor_text.h"
@@ -181,7 +182,7 @@ class View {
                         ": is not of the received frames' size: give the truth of this scene");
     }
     ++frames_;
-    page_.show(*frame);
+    page_.show(*frame, times_of(*frame, receiver_));
     page_.record(*frame, receiver_);
     status_line_.count(*frame);
     streams_ = streams_line(*frame);

@@ -336,6 +336,49 @@ class Pages(unittest.TestCase):
             await_("the file's end", lambda: info().returncode == 0)
             self.assertGreaterEqual(json.loads(info().stdout)["frames"], 3)
 
+    def test_foxglove_gets_messages_of_each_channel_under_both_names(self):
+        def cdr_size(schema, payload):
+            """Of an image or a cloud: what the message says against what it holds."""
+            self.assertEqual(payload[:4], bytes([0, 1, 0, 0]))
+            at = 4 + 8 + 4 + struct.unpack_from("<I", payload, 12)[0]
+            at += -at % 4
+            height, width = struct.unpack_from("<II", payload, at)
+            if schema == "sensor_msgs/msg/Image":
+                self.assertEqual((width, height), (WIDTH, HEIGHT))
+                self.assertEqual(payload[at + 12:at + 18], b"16UC1\0")
+                return len(payload) - (at + 28) == 2 * width * height
+            return height == 1 and 0 < width <= WIDTH * HEIGHT // 16
+
+        for offered, chosen in (("foxglove.sdk.v1", "foxglove.sdk.v1"), ("foxglove.websocket.v1", "foxglove.websocket.v1"),
+                                ("foxglove.websocket.v1, foxglove.sdk.v1", "foxglove.websocket.v1")):
+            with self.open(subprotocol=offered, origin="") as client:
+                self.assertEqual(client.subprotocol, chosen)
+                self.assertEqual(json.loads(client.receive()[1])["op"], "serverInfo")
+                channels = {one["id"]: one for one in json.loads(client.receive()[1])["channels"]}
+                self.assertEqual(len(channels), 5)
+                client.send(json.dumps({"op": "subscribe", "subscriptions": [{"id": 100 + id_, "channelId": id_} for id_ in channels]}).encode())
+                seen = {}
+                while set(seen) != set(channels) or seen[1] < 3:
+                    opcode, payload = client.receive()
+                    self.assertEqual(opcode, BINARY, payload)
+                    code, subscription, at_ns = struct.unpack_from("<BIQ", payload)
+                    self.assertEqual(code, 1)
+                    self.assertLess(abs(at_ns / 1e9 - time.time()), ENOUGH_S)
+                    schema = channels[subscription - 100]["schemaName"]
+                    if schema in ("sensor_msgs/msg/Image", "sensor_msgs/msg/PointCloud2"):
+                        self.assertTrue(cdr_size(schema, payload[13:]), schema)
+                    seen[subscription - 100] = seen.get(subscription - 100, 0) + 1
+        # What another site, or nobody's rules, would do.
+        for how, status in (({"origin": "https://app.foxglove.dev"}, 403), ({"host": "evil.example", "origin": ""}, 403)):
+            with self.assertRaises(Refused) as refused:
+                WebSocket(self.port, subprotocol="foxglove.sdk.v1", **how)
+            self.assertEqual(refused.exception.status, status)
+        with self.open(subprotocol="foxglove.sdk.v1", origin="") as client, self.assertRaises(Closed) as closed:
+            client.send(b"{}")
+            while True:
+                client.receive()
+        self.assertEqual(closed.exception.status, 1008)
+
     def test_a_hundred_pages_are_served_or_refused(self):
         open_, refused = [], 0
         for _ in range(100):
@@ -355,14 +398,51 @@ class Pages(unittest.TestCase):
             page.frame()
 
     def test_connections_that_say_nothing_keep_nobody_out(self):
-        silent = [socket.create_connection(("127.0.0.1", self.port), ENOUGH_S) for _ in range(30)]
+        silent = []
         try:
-            with self.open() as page:  # after the silent ones were given up
+            for number in range(300):
+                silent.append(socket.create_connection(("127.0.0.1", self.port), ENOUGH_S))
+                if number % 3 == 0:
+                    silent[-1].sendall(b"GET / HTTP/1.1\r\nHost: ")  # nor those that begin
+            begun = time.monotonic()
+            self.assertEqual(get(self.port)[0], 200)
+            with self.open() as page:
                 page.ask("depth")
                 page.frame()
+            # Before any of them was given up for its silence, one after the other; 40 s it was where they held all places.
+            self.assertLess(time.monotonic() - begun, 20)
+            # And they are given up.
+            silent[-1].settimeout(ENOUGH_S)
+            try:
+                self.assertEqual(silent[-1].recv(1), b"")
+            except ConnectionError:
+                pass
         finally:
             for one in silent:
                 one.close()
+
+    def test_a_client_that_does_not_mask_is_refused(self):
+        for first in (False, True):
+            with self.open() as page:
+                page.message("hello")
+                if not first:
+                    page.ask("depth")
+                    page.frame()
+                with self.assertRaises(Closed) as closed:
+                    page.send(b'{"show":["depth"],"frames":1,"quiet":false}', masked=False)
+                    end = time.monotonic() + ENOUGH_S
+                    while time.monotonic() < end:
+                        page.receive()
+                self.assertEqual(closed.exception.status, 1002)
+
+    def test_a_second_request_of_a_connection_is_not_answered(self):
+        lines = f"GET /other HTTP/1.1\r\nHost: 127.0.0.1:{self.port}\r\n\r\n"
+        with socket.create_connection(("127.0.0.1", self.port), ENOUGH_S) as connection:
+            connection.sendall((lines * 2).encode())
+            answer = b""
+            while part := connection.recv(65536):
+                answer += part
+        self.assertEqual(answer.count(b"HTTP/1.1 404"), 1)
 
 
 class Ways(unittest.TestCase):
@@ -378,7 +458,7 @@ class Ways(unittest.TestCase):
 
     def test_a_sensor_that_restarts_is_shown_again_and_a_token_keeps_others_out(self):
         sensor = self.start(Sensor, port=lasting_port())
-        view = self.start(View, sensor, "--lan", "--http-port", "0", "--timeout", "5")
+        view = self.start(View, sensor, "--lan", "--http-port", "0", "--timeout", "5", "--foxglove-origin", "https://app.example")
         token = re.search(r"\?token=([0-9a-f]{32})$", view.addresses[0])[1]
         for wrong in ("", "0" * 32, token[:-1], token + "0"):
             self.assertEqual(get(view.port, f"/?token={wrong}")[0], 403)
@@ -388,6 +468,15 @@ class Ways(unittest.TestCase):
         self.assertEqual(get(view.port, f"/?token={token}")[0], 200)
         self.assertEqual(get(view.port, f"/?token={token}", host="10.1.2.3:80")[0], 200)
         self.assertEqual(get(view.port, f"/?token={token}", host="evil.example")[0], 403)
+        for subprotocol, given, origin, status in (("foxglove.sdk.v1", token, "https://app.example", 0),
+                                                   ("foxglove.sdk.v1", "", "https://app.example", 403), ("foxglove.sdk.v1", token, "https://app.evil", 403),
+                                                   ("stof.view.v1", token, "https://app.example", 403),
+                                                   ("foxglove.sdk.v1, stof.view.v1", token, "https://app.example", 403)):
+            try:
+                WebSocket(view.port, token=given, subprotocol=subprotocol, origin=origin).close()
+                self.assertEqual(status, 0)
+            except Refused as refused:
+                self.assertEqual(refused.status, status, (subprotocol, given, origin))
         with WebSocket(view.port, token=token) as page:
             page.ask("depth")
             session = page.frame()[0]["session"]
@@ -465,6 +554,23 @@ class Ways(unittest.TestCase):
             self.assertEqual(len(files), written)
             for file in files:
                 self.assertTrue(file.read_bytes().startswith(b"\x89PNG"))
+
+    def test_out_follows_no_link_and_waits_at_no_pipe(self):
+        sensor = self.start(Sensor)
+        target = pathlib.Path(self.folder) / "target"
+        target.write_text("kept", encoding="utf-8")
+        for kind, flag, name in (("link", "--out", "left.png"), ("pipe", "--out", "depth.png")):
+            out = pathlib.Path(self.folder) / kind
+            out.mkdir()
+            if kind == "link":
+                (out / name).symlink_to(target)
+            else:
+                os.mkfifo(out / name)
+            ended = subprocess.run([*COMMAND, "view", f"127.0.0.1:{sensor.port}", "--timeout", "20", "--frames", "1", flag, str(out)],
+                                   capture_output=True, text=True, timeout=ENOUGH_S, check=False)
+            self.assertEqual((ended.returncode, ended.stderr.count("\n")), (1, 1), ended.stderr)
+            self.assertIn(f"{name}: cannot be written: ", ended.stderr)
+        self.assertEqual(target.read_text(encoding="utf-8"), "kept")
 
     def test_it_ends_with_the_pipe_that_it_prints_to(self):
         sensor = self.start(Sensor)

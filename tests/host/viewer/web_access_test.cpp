@@ -74,6 +74,24 @@ TEST(WebAccessTest, RefusesPagesOfOtherOrigins) {
   }
 }
 
+TEST(WebAccessTest, AFoxgloveOfANamedOriginMayLookByItsProtocolAlone) {
+  AccessRules rules = kLocal;
+  rules.foxglove_origins = {"https://app.foxglove.dev"};
+  WebRequest request{.host = "localhost:7570", .origin = "https://app.foxglove.dev"};
+  EXPECT_EQ(judge(rules, request), Access::kForeignPage);
+  request.foxglove = true;
+  EXPECT_EQ(judge(rules, request), Access::kGranted);
+  EXPECT_EQ(judge(kLocal, request), Access::kForeignPage);
+  for (const char* origin : {"http://app.foxglove.dev", "https://app.foxglove.dev:444",
+                             "https://app.foxglove.dev.evil.example", "null"}) {
+    request.origin = origin;
+    EXPECT_EQ(judge(rules, request), Access::kForeignPage) << origin;
+  }
+  request.origin = "https://app.foxglove.dev";
+  request.host = "evil.example";
+  EXPECT_EQ(judge(rules, request), Access::kForeignHost);
+}
+
 TEST(WebAccessTest, WantsTheWholeToken) {
   const auto with = [](std::string_view token) {
     return judge(kLan, {.host = "localhost", .token = token});

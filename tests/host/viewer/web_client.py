@@ -84,7 +84,9 @@ class WebSocket:
         if status != 101:
             self.close()
             raise Refused(status)
-        self.received = head.partition(b"\r\n\r\n")[2]
+        head, _, self.received = head.partition(b"\r\n\r\n")
+        self.subprotocol = next((line.split(b":")[1].strip().decode() for line in head.split(b"\r\n")
+                                 if line.lower().startswith(b"sec-websocket-protocol:")), "")
 
     def __enter__(self):
         return self
@@ -95,7 +97,10 @@ class WebSocket:
     def close(self):
         self.socket.close()
 
-    def send(self, payload, opcode=TEXT, final=True):
+    def send(self, payload, opcode=TEXT, final=True, masked=True):
+        if not masked:
+            self.socket.sendall(bytes([opcode | 0x80, len(payload)]) + payload)  # a short one
+            return
         mask = os.urandom(4)
         size = len(payload)
         head = bytes([opcode | (0x80 if final else 0)])
@@ -135,7 +140,7 @@ class WebSocket:
             assert first & 0x80 and first & 15 in (TEXT, BINARY), first
             if first & 15 == TEXT:
                 said = json.loads(payload)
-                self.told[said["type"]] = said
+                self.told[said.get("type", said.get("op"))] = said
             return first & 15, payload
 
     def message(self, kind):

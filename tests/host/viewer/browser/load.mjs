@@ -19,8 +19,14 @@ function times() {
   return all;
 }
 
-// Of the processes below `root` that are called so.
-function spent(root, name) {
+// Bytes of a process that are in memory and its own.
+export function memoryOf(process) {
+  const status = readFileSync(`/proc/${process}/status`, "latin1");
+  return Number(status.match(/^RssAnon:\s+(\d+) kB/m)[1]) * 1024;
+}
+
+// Seconds of the processes below `root` that are called so.
+export function spent(root, name) {
   const all = times();
   let ticks = 0;
   for (const [id, one] of all) {
