@@ -180,7 +180,8 @@ class Pair(unittest.TestCase):
         return ended.stdout
 
     def refuse(self, code, fact, *words, timeout_s=ANSWER_S):
-        ended = self.run_stof(*words, timeout_s=timeout_s)
+        # What views waits for frames as long as it was told to.
+        ended = self.run_stof(*words, timeout_s=5 if words[0] == "view" else timeout_s)
         self.assertEqual(ended.returncode, code, ended.stdout + ended.stderr)
         self.assertEqual(ended.stderr.count("\n"), 1, ended.stderr)
         self.assertIn(fact, ended.stderr)
