@@ -33,6 +33,7 @@ client::Receiver open_receiver(ReceiveOptions& options, const wire::RawRequest& 
                                 .subscription = subscription(options, raw)};
   where.address = options.bind.value_or(where.address);
   where.port = options.port.value_or(where.port);
+  where.reassembler = options.reassembler;
   where.reassembler.device_id = options.device;
   std::expected<client::Receiver, client::OpenError> receiver = client::Receiver::open(where);
   if (!receiver) {

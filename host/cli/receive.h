@@ -23,6 +23,8 @@ struct ReceiveOptions {
   std::string keys;                     // file of them; empty: this user's
   std::optional<std::uint32_t> device;  // number of the sensor; none: who is known there
   std::string key;  // id of the one that alone counts, of signed streams; empty: of those there are
+  // What no flag changes; `device` takes the place of its number.
+  client::ReassemblerOptions reassembler{};
 };
 
 // With which key, and whom to believe.

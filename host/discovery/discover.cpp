@@ -212,8 +212,11 @@ std::expected<FoundSensor, DiscoverError> ask_sensor(const std::string& address,
   for (int i = 0; i < kAttempts; ++i) {
     static_cast<void>((*transport)->send(question));
     const Clock::time_point end = Clock::now() + timeout / kAttempts;
-    for (Clock::time_point now = Clock::now(); now < end; now = Clock::now()) {
-      const auto packet = (*transport)->receive(end - now);
+    for (int behind = 0;;) {
+      const auto packet = receive_until(**transport, end, behind);
+      if (!packet && packet.error() == Status::kTimeout) {
+        break;
+      }
       if (packet && found.take_packet(*packet, {}, DiscoveryMethod::kDirect)) {
         FoundSensor sensor = found.sorted().front();
         const std::string place = (*transport)->place();

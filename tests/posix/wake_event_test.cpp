@@ -26,7 +26,7 @@ TEST(WakeEvent, WakesAThreadThatWaits) {
     std::this_thread::sleep_for(2ms);
     event.wake();
   });
-  EXPECT_TRUE(event.wait(10s));
+  EXPECT_TRUE(event.wait(60s));
   other.join();
 }
 

@@ -46,10 +46,10 @@ class Pty {
     text.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
     return text;
   }
-  // Waits up to five seconds for so many bytes.
+  // Waits up to a minute for so many bytes.
   std::string read(std::size_t bytes) const {
     std::string text;
-    for (int i = 0; i < 5000 && text.size() < bytes; ++i) {
+    for (int i = 0; i < 60'000 && text.size() < bytes; ++i) {
       text += read_some();
       if (text.size() < bytes) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));

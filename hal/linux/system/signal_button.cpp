@@ -12,7 +12,7 @@ namespace stof::hal::linux {
 namespace {
 
 constexpr std::int64_t kPressMs = 300;
-constexpr std::int64_t kHoldMs = 3500;
+constexpr std::int64_t kHoldMs = 6000;
 
 constinit std::atomic<std::int64_t> asked_ms{0};
 static_assert(std::atomic<std::int64_t>::is_always_lock_free);  // a signal handler writes it
@@ -23,7 +23,10 @@ void press(int signal) {
 
 }  // namespace
 
-SignalButton::SignalButton() noexcept {
+SignalButton::SignalButton() noexcept
+    : SignalButton([]() noexcept -> Time { return Clock().now(); }) {}
+
+SignalButton::SignalButton(Time (*now)() noexcept) noexcept : now_(now) {
   struct sigaction action{};
   action.sa_handler = &press;
   action.sa_flags = SA_RESTART;
@@ -32,7 +35,7 @@ SignalButton::SignalButton() noexcept {
 }
 
 Result<bool> SignalButton::pressed() noexcept {
-  const Time now = Clock().now();
+  const Time now = now_();
   if (const std::int64_t ms = asked_ms.exchange(0, std::memory_order_relaxed); ms > 0) {
     until_ = now + std::chrono::milliseconds(ms);
   }

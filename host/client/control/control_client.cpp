@@ -16,6 +16,7 @@ namespace stof::client {
 namespace {
 
 constexpr Duration kBusyPause = std::chrono::milliseconds(50);
+constexpr int kMostBehind = 64;  // packets that are looked at behind a deadline
 
 class UdpTransport final : public ControlTransport {
  public:
@@ -69,6 +70,21 @@ std::expected<std::unique_ptr<ControlTransport>, ControlError> open_udp_transpor
     return std::unexpected(std::move(socket.error()));
   }
   return std::make_unique<UdpTransport>(std::move(*socket));
+}
+
+Result<std::vector<std::byte>> receive_until(ControlTransport& transport, Time deadline,
+                                             int& behind) {
+  for (;;) {
+    const Duration left = deadline - Time::clock::now();
+    const bool over = left <= Duration::zero();
+    if (over && ++behind > kMostBehind) {
+      return fail(Status::kTimeout);
+    }
+    Result<std::vector<std::byte>> bytes = transport.receive(std::max(left, Duration::zero()));
+    if (bytes || bytes.error() != Status::kTimeout || over) {
+      return bytes;
+    }
+  }
 }
 
 struct ControlClient::Part {
@@ -288,19 +304,21 @@ std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::a
     std::uint32_t request_id, bool sealed) {
   const Time begin = Time::clock::now();
   const Time deadline = std::min(begin + options_.timeout, std::max(begin, deadline_));
-  for (Time now = begin; now < deadline; now = Time::clock::now()) {
-    const Result<std::vector<std::byte>> bytes = transport_->receive(deadline - now);
+  for (int behind = 0;;) {
+    const Result<std::vector<std::byte>> bytes = receive_until(*transport_, deadline, behind);
+    if (!bytes && bytes.error() == Status::kTimeout) {
+      return std::nullopt;
+    }
     if (!bytes && bytes.error() == Status::kDeviceLost) {
       return std::unexpected(error(bytes.error(), "the connection failed: open it again"));
     }
     if (!bytes) {
-      continue;  // nobody listens yet, or the time is over
+      continue;  // nobody listens yet
     }
     if (std::optional<Part> part = read_answer(*bytes, request_id, sealed)) {
       return part;
     }
   }
-  return std::nullopt;
 }
 
 // None: something else. To a request that was signed an answer without a signature only says that
@@ -359,13 +377,12 @@ std::optional<ControlError> ControlClient::another_sensor() {
     return std::nullopt;
   }
   const Time deadline = Time::clock::now() + options_.timeout;
-  for (Time now = Time::clock::now(); now < deadline; now = Time::clock::now()) {
-    const Result<std::vector<std::byte>> bytes = transport_->receive(deadline - now);
-    if (!bytes && bytes.error() != Status::kTimeout) {
+  for (int behind = 0;;) {
+    const Result<std::vector<std::byte>> bytes = receive_until(*transport_, deadline, behind);
+    if (!bytes) {
       return std::nullopt;
     }
-    const auto packet =
-        bytes ? wire::parse_packet(*bytes) : std::unexpected(wire::PacketFault::kTruncated);
+    const auto packet = wire::parse_packet(*bytes);
     if (!packet || packet->header.type != wire::PacketType::kSettingsAnswer) {
       continue;
     }
@@ -378,7 +395,6 @@ std::optional<ControlError> ControlClient::another_sensor() {
                        error(Status::kUnsupported, other_sensor(device, *options_.device_id)));
     }
   }
-  return std::nullopt;
 }
 
 ControlError ControlClient::silent() const {

@@ -35,6 +35,11 @@ class ControlTransport {
   virtual std::string place() const = 0;
 };
 
+// The next packet until `deadline`, and what lies there behind it. kTimeout: there is none. Others
+// as receive(). behind: 0 at the first call for a deadline, then left alone; it bounds a flood.
+Result<std::vector<std::byte>> receive_until(ControlTransport& transport, Time deadline,
+                                             int& behind);
+
 using ControlError = OpenError;
 
 // sensor: HOST[:PORT], port 7560 without; an IPv6 address with a port in brackets. May block on a

@@ -184,9 +184,9 @@ std::expected<wire::PairAnswer, ControlError> PairClient::ask(wire::PairRequest 
 
 std::optional<wire::PairAnswer> PairClient::await(std::uint32_t request_id) {
   const Time deadline = Time::clock::now() + options_.timeout;
-  for (Time now = Time::clock::now(); now < deadline; now = Time::clock::now()) {
-    const Result<std::vector<std::byte>> bytes = transport_->receive(deadline - now);
-    if (!bytes && bytes.error() == Status::kDeviceLost) {
+  for (int behind = 0;;) {
+    const Result<std::vector<std::byte>> bytes = receive_until(*transport_, deadline, behind);
+    if (!bytes && (bytes.error() == Status::kTimeout || bytes.error() == Status::kDeviceLost)) {
       return std::nullopt;
     }
     const auto packet =

@@ -42,7 +42,7 @@ class ControlClient {
   }
   // Also what is no datagram of ours. False: the system did not take it.
   bool send_any(std::span<const std::byte> datagram) { return raw_.send(to_, datagram); }
-  std::optional<Bytes> receive(hal::Duration timeout = std::chrono::seconds(5)) {
+  std::optional<Bytes> receive(hal::Duration timeout = std::chrono::seconds(60)) {
     Bytes space(wire::kMaxDatagram);
     const Result<hal::Received> received = port_->receive(space, timeout);
     if (!received) {

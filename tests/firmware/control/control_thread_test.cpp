@@ -14,6 +14,9 @@ using namespace std::chrono_literals;
 using wire::PacketType;
 using wire::SubscribeResult;
 
+// The longest one: whoever holds it stays, however slow this computer is.
+constexpr std::uint16_t kLongLeaseMs = 10'000;
+
 TEST(ControlThread, SubscribesOverTheNetwork) {
   Sensor sensor;
   ControlClient robot(sensor);
@@ -30,7 +33,8 @@ TEST(ControlThread, TheFourthOfAHostIsRefusedUntilAnotherLeaves) {
   const Sensor sensor;
   std::list<ControlClient> robots;
   for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(robots.emplace_back(sensor).ask(), SubscribeResult::kOk);
+    EXPECT_EQ(robots.emplace_back(sensor).ask(PacketType::kSubscribe, kLongLeaseMs),
+              SubscribeResult::kOk);
   }
   ControlClient fourth(sensor);
   EXPECT_EQ(fourth.ask(), SubscribeResult::kFull);
@@ -41,7 +45,7 @@ TEST(ControlThread, TheFourthOfAHostIsRefusedUntilAnotherLeaves) {
 // Sends frames until so many are left.
 bool drops_to(Sensor& sensor, std::size_t count) {
   const Bytes frame(100);
-  for (int i = 0; i < 2000 && sensor.list().count != count; ++i) {
+  for (int i = 0; i < 60'000 && sensor.list().count != count; ++i) {
     EXPECT_EQ(sensor.send(frame), Status::kOk);
     std::this_thread::sleep_for(1ms);
   }
@@ -53,15 +57,15 @@ bool drops_to(Sensor& sensor, std::size_t count) {
 TEST(ControlThread, WhoEndsWithoutAWordIsForgottenWhenItsLeaseEnds) {
   Sensor sensor;
   ControlClient stays(sensor);
-  EXPECT_EQ(stays.ask(), SubscribeResult::kOk);
+  EXPECT_EQ(stays.ask(PacketType::kSubscribe, kLongLeaseMs), SubscribeResult::kOk);
+  const auto asked = std::chrono::steady_clock::now();
   {
     ControlClient leaves(sensor);
-    EXPECT_EQ(leaves.ask(PacketType::kSubscribe, 1000), SubscribeResult::kOk);
+    EXPECT_EQ(leaves.ask(PacketType::kSubscribe, 2000), SubscribeResult::kOk);
     ASSERT_TRUE(sensor.reaches(2));
   }
-  const auto left = std::chrono::steady_clock::now();
   EXPECT_TRUE(drops_to(sensor, 1));
-  EXPECT_GE(std::chrono::steady_clock::now() - left, 500ms);
+  EXPECT_GE(std::chrono::steady_clock::now() - asked, 2s);
 }
 
 // 10,000 with STOF_LONG=1; every tenth leaves without a word.
@@ -70,17 +74,19 @@ TEST(ControlThread, ComesAndGoesManyTimes) {
   ControlClient stays(sensor);
   const int rounds = long_or(10'000, 200);
   for (int i = 0; i < rounds; ++i) {
-    ASSERT_EQ(stays.ask(), SubscribeResult::kOk) << i;
+    ASSERT_EQ(stays.ask(PacketType::kSubscribe, kLongLeaseMs), SubscribeResult::kOk) << i;
+    constexpr std::uint16_t kShortLeaseMs = 500;
     {
       ControlClient robot(sensor);
-      const std::uint16_t lease_ms = i % 10 != 0 ? 0 : 500;
+      const std::uint16_t lease_ms = i % 10 != 0 ? 0 : kShortLeaseMs;
       ASSERT_EQ(robot.ask(PacketType::kSubscribe, lease_ms), SubscribeResult::kOk) << i;
       if (i % 10 != 0) {
         ASSERT_EQ(robot.ask(PacketType::kUnsubscribe), SubscribeResult::kEnded) << i;
         continue;
       }
-      ASSERT_TRUE(sensor.reaches(2)) << i;
     }
+    // Not until it is seen among them: its lease may be over before anybody looks.
+    std::this_thread::sleep_for(kShortLeaseMs * 1ms);
     ASSERT_TRUE(drops_to(sensor, 1)) << i;
     while (stays.receive(0ns)) {  // the frames
     }

@@ -33,9 +33,9 @@ class Sensor {
     }
     return list_;
   }
-  // Waits until so many are subscribed. False: not within some seconds.
+  // Waits until so many are subscribed. False: not within a minute.
   bool reaches(std::size_t count) {
-    for (int i = 0; i < 1000 && list().count != count; ++i) {
+    for (int i = 0; i < 12'000 && list().count != count; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     return list().count == count;

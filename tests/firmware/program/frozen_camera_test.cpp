@@ -73,7 +73,7 @@ class FrozenRig {
     static_cast<void>(rig_.loop.step());
     rig_.publisher.report({});
     receiver_.drain(rig_.port);
-    for (int i = 0; wait_ && i < 10'000 && !lending_.usable(camera_.device); ++i) {
+    for (int i = 0; wait_ && i < 60'000 && !lending_.usable(camera_.device); ++i) {
       std::this_thread::sleep_for(1ms);
     }
   }

@@ -162,7 +162,7 @@ TEST(NoHeap, NewWaysToComputeAllocateNothingAndLeaveNoThread) {
     EXPECT_GE(box.rig.events.counters.published, 500U);
     EXPECT_EQ(threads_there(), before + 3);
   }
-  for (int wait = 0; wait < 1000 && threads_there() != before;
+  for (int wait = 0; wait < 60'000 && threads_there() != before;
        ++wait) {  // the system takes a while
     std::this_thread::sleep_for(1ms);
   }

@@ -32,7 +32,7 @@ namespace stof::firmware::test {
 namespace {
 
 void wait_until(const auto& condition) {
-  for (int i = 0; i < 10'000 && !condition(); ++i) {
+  for (int i = 0; i < 60'000 && !condition(); ++i) {
     std::this_thread::sleep_for(1ms);
   }
   ASSERT_TRUE(condition());

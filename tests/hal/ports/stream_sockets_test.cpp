@@ -86,7 +86,7 @@ TEST(StreamSockets, EachSendsFromTheNumberOfThePort) {
   for (std::size_t which = 0; which <= kStreams; ++which) {  // there is none for the last
     EXPECT_EQ(stream_one(*sensor, which, local((*robot)->port())), Status::kOk);
     std::array<std::byte, 2000> space;
-    const auto received = (*robot)->receive(space, 5s);
+    const auto received = (*robot)->receive(space, 60s);
     ASSERT_TRUE(received);
     EXPECT_EQ(received->from, local(sensor->port()));
     EXPECT_EQ(received->bytes, kDatagram.size());

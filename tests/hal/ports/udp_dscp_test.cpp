@@ -33,7 +33,7 @@ class Listener {
   // Of the next datagram; -1: none, or it does not say.
   int next_class() const {
     std::array wait{pollfd{.fd = socket_.fd(), .events = POLLIN, .revents = 0}};
-    if (posix::wait_for(wait, std::chrono::seconds(5)) != 1) {
+    if (posix::wait_for(wait, std::chrono::minutes(1)) != 1) {
       return -1;
     }
     std::array<std::byte, 64> bytes{};

@@ -19,6 +19,7 @@ import stof_wire as wire  # noqa: E402
 COMMAND = []
 STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
 ENOUGH_S = 60
+ANSWER_S = "20"  # of what is answered
 
 
 class Config(unittest.TestCase):
@@ -77,7 +78,7 @@ class Config(unittest.TestCase):
                               cwd=self.folder, env=self.environment)
 
     def ask(self, *words):
-        ended = self.run_config(self.address, *words, "--timeout", "5")
+        ended = self.run_config(self.address, *words, "--timeout", ANSWER_S)
         self.assertEqual((ended.returncode, ended.stderr), (0, ""))
         return ended.stdout
 
@@ -132,8 +133,9 @@ class Config(unittest.TestCase):
         self.start()
         before = self.ask("get")
         for device in ("/dev/watchdog0", "/dev/nope", "/dev/pts/0"):
-            self.refuse(2, "serial.device: takes a line of board emu", self.address, "set", f"serial.device={device}", "--timeout", "5")
-            self.refuse(2, "serial.device: takes a line of board emu", self.address, "set", "name=x", f"serial.device={device}")
+            self.refuse(2, "serial.device: takes a line of board emu", self.address, "set", f"serial.device={device}", "--timeout", ANSWER_S)
+            self.refuse(2, "serial.device: takes a line of board emu", self.address, "set", "name=x", f"serial.device={device}",
+                        "--timeout", ANSWER_S)
         self.assertEqual(self.ask("get"), before)
         self.ask("set", "serial.device=/dev/ttyS99", "serial.mode=stof", "depth.max_range_mm=500")
         self.ask("save")
@@ -153,7 +155,7 @@ class Config(unittest.TestCase):
             self.ask("set", f"name=n{number}")
             self.ask("save")
         self.ask("set", "name=late")
-        ended = self.run_config(self.address, "save", "--timeout", "5")
+        ended = self.run_config(self.address, "save", "--timeout", ANSWER_S)
         self.assertNotEqual(ended.returncode, 0)
         self.assertIn("then one a minute", ended.stdout + ended.stderr)
         self.assertEqual(json.loads(self.file.read_text(encoding="utf-8"))["name"], "n9")
@@ -161,7 +163,7 @@ class Config(unittest.TestCase):
     def test_what_the_board_cannot_do_is_refused_and_nothing_changes(self):
         self.start("--set", "name=bench")
         before = self.ask("get")
-        ended = self.run_config(self.address, "set", "name=x", "depth.disparities=200", "--timeout", "5")
+        ended = self.run_config(self.address, "set", "name=x", "depth.disparities=200", "--timeout", ANSWER_S)
         self.assertEqual(ended.returncode, 2)
         self.assertIn("200 disparities are more than the 128 of board emu", ended.stderr)
         self.assertEqual(self.ask("get"), before)
@@ -178,7 +180,7 @@ class Config(unittest.TestCase):
                             (("set", "streams.depth=off"), "limits.streams is keep"),
                             (("save",), "save: takes a key"), (("reset",), "takes a key"), (("preset", "near"), "takes a key"),
                             (("commit",), "commit: takes a key"), (("stage", "name=x"), "stage: takes a key")):
-            self.refuse(1, told, self.address, *words, "--timeout", "5")
+            self.refuse(1, told, self.address, *words, "--timeout", ANSWER_S)
         self.assertEqual(self.ask("get", "depth.max_range_mm"), "3000\n")
         self.cut_power()
         self.paired = True
@@ -186,7 +188,7 @@ class Config(unittest.TestCase):
         self.ask("set", "period_ms=50")
         self.ask("save")
         self.environment["XDG_CONFIG_HOME"] = str(self.folder / "stranger")
-        self.refuse(1, "depth.max_range_mm: takes a key", self.address, "set", "depth.max_range_mm=3000", "--timeout", "5")
+        self.refuse(1, "depth.max_range_mm: takes a key", self.address, "set", "depth.max_range_mm=3000", "--timeout", ANSWER_S)
         self.assertEqual(self.ask("get", "period_ms"), "50\n")
 
     def test_roles(self):
@@ -195,8 +197,8 @@ class Config(unittest.TestCase):
         self.start()
         self.ask("set", "depth.guided=true", "period_ms=100")
         self.ask("save")
-        self.refuse(1, "discovery.beacon: takes a key with role admin", self.address, "set", "discovery.beacon=true", "--timeout", "5")
-        self.refuse(1, "limits.most_period_ms is 1000", self.address, "set", "period_ms=1001", "--timeout", "5")
+        self.refuse(1, "discovery.beacon: takes a key with role admin", self.address, "set", "discovery.beacon=true", "--timeout", ANSWER_S)
+        self.refuse(1, "limits.most_period_ms is 1000", self.address, "set", "period_ms=1001", "--timeout", ANSWER_S)
 
     def test_a_request_that_is_signed_as_the_document_says_is_served(self):
         self.pair("--role", "tune")
@@ -236,10 +238,10 @@ class Config(unittest.TestCase):
         self.start()
         self.expect_told(f"{keys}: no key file, or damaged: no client's key is known")
         self.assertEqual(keys.read_text(), "damaged\n")
-        self.refuse(1, "has none of your keys any more", self.address, "set", "name=x", "--timeout", "5")
+        self.refuse(1, "has none of your keys any more", self.address, "set", "name=x", "--timeout", ANSWER_S)
         self.assertEqual(self.ask("get", "name"), "stof\n")
         own.chmod(0o644)
-        self.refuse(2, "others may read these keys", self.address, "get", "--timeout", "5")
+        self.refuse(2, "others may read these keys", self.address, "get", "--timeout", ANSWER_S)
 
     def test_schema_is_the_one_in_docs(self):
         self.start()

@@ -175,21 +175,26 @@ class Install(unittest.TestCase):
         self.assertEqual(ended.stderr.count("\n"), 1, ended.stderr)
         self.assertIn(fact, ended.stderr)
 
-    def receive(self, frames=3, until=lambda _: True):
+    def receive(self, frames=3, until=lambda _: True, infos=None):
         """What is sent until there are so many frames, and what came is as it should be: by frame the fingerprint that its info names, and its depths;
-        the calibrations and events, in their order."""
+        the calibrations and events, in their order. infos: where the former goes, as it comes."""
         host, port = self.address.split(":")
-        infos, depths, calibrations, events = {}, {}, [], []
+        infos = {} if infos is None else infos
+        depths, calibrations, events = {}, [], []
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as here:
             here.connect((host, int(port)))
-            here.settimeout(ENOUGH_S)
-            cookie, asked = 0, 0.0
+            here.settimeout(1)
+            cookie, asked, end = 0, 0.0, time.monotonic() + 2 * ENOUGH_S
             while len(infos) < frames + 1 or not until(events):
+                self.assertLess(time.monotonic(), end, self.said())
                 if not infos or time.monotonic() - asked > 1:
                     asked = time.monotonic()
                     here.send(wire.seal(wire.Header(type=wire.PacketType.SUBSCRIBE),
-                                        wire.Subscribe(request_id=1, lease_ms=5000, cookie=cookie).pack()))
-                header, payload = wire.parse(here.recv(2048))
+                                        wire.Subscribe(request_id=1, lease_ms=10000, cookie=cookie).pack()))
+                try:
+                    header, payload = wire.parse(here.recv(2048))
+                except TimeoutError:
+                    continue
                 if header.type == wire.PacketType.SUBSCRIBED:
                     cookie = wire.Subscribed.unpack(payload).cookie
                 elif header.type == wire.PacketType.FRAME_INFO:
@@ -247,19 +252,19 @@ class Install(unittest.TestCase):
     def test_the_event_names_both_and_nothing_of_before_is_in_the_frames_after(self):
         self.pair()
         self.start("--temporal")
-        told = []
+        told, infos = [], {}
         over = []
 
         def changed_for_some_frames(events):
             over.append(any(event.condition == wire.Condition.CALIBRATION_CHANGED for event in events))
             return sum(over) > 500  # packets
 
-        listener = threading.Thread(target=lambda: told.extend(self.receive(frames=60, until=changed_for_some_frames)))
+        listener = threading.Thread(target=lambda: told.extend(self.receive(frames=60, until=changed_for_some_frames, infos=infos)))
         listener.start()
-        time.sleep(0.5)
+        self.until("nothing stands", lambda: any(info.steady_frames > 2 for info in list(infos.values())))
         self.install("other.cal", self.address)
         listener.join()
-        infos, _, calibrations, events = told
+        _, _, calibrations, events = told
         changed = [event for event in events if event.condition == wire.Condition.CALIBRATION_CHANGED and event.active]
         self.assertTrue(changed, events)
         self.assertEqual((changed[0].value, changed[0].former), (fingerprint(self.other), fingerprint(self.factory)))
@@ -275,7 +280,7 @@ class Install(unittest.TestCase):
         self.start()
         between = Between(self.address, spoils=0.3)
         self.addCleanup(between.close)
-        self.install("other.cal", between.address, "--timeout", "0.05")
+        self.install("other.cal", between.address, "--timeout", "0.2")
         self.expect_in_force(self.other)
         self.assertEqual(self.kept.read_bytes(), self.other)
 
@@ -418,9 +423,9 @@ class Install(unittest.TestCase):
         try:
             names = [os.ttyname(line) for _, line in ends]
             self.start("--serial", names[0], "--baud", "921600", "--set", "serial.mode=stof", "--set", "serial.profile=sectors")
-            self.install("other.cal", "--serial", names[1], "--timeout", "5")
+            self.install("other.cal", "--serial", names[1], "--timeout", "20")
             self.expect_in_force(self.other)
-            self.install("--factory", "--serial", names[1], "--timeout", "5")
+            self.install("--factory", "--serial", names[1], "--timeout", "20")
             self.expect_in_force(self.factory)
         finally:
             self.stop()

@@ -109,7 +109,7 @@ class RawView(unittest.TestCase):
         keys = self.folder / "user"
         self.assertEqual(self.stof("pair", "--into", self.folder / "sensor", "--keys", keys, "--role", "view").returncode, 0)
         sensor = self.start("--keys", self.folder / "sensor")
-        self.refuse(1, "--signed alone", sensor, "--raw", "left", "--raw-count", 1, "--timeout", 1)
+        self.refuse(1, "--signed alone", sensor, "--raw", "left", "--raw-count", 1, "--timeout", 4)
         exposures = self.view(sensor, "--raw", "left,right,pmd", "--raw-count", 2, "--signed", "--keys", keys)
         for identity, _, _, _, sequences in exposures:
             self.assertEqual(self.picture(identity, "pmd"), self.given(sequences[2])["pmd"])
@@ -120,7 +120,7 @@ class RawView(unittest.TestCase):
         self.addCleanup(first.kill)
         while not EXPOSURE.match(first.stdout.readline() or self.fail("it ended")):
             pass
-        self.refuse(1, "another subscriber has them", sensor, "--raw", "left", "--raw-count", 1, "--timeout", 1)
+        self.refuse(1, "another subscriber has them", sensor, "--raw", "left", "--raw-count", 1, "--timeout", 4)
         first.send_signal(signal.SIGINT)
         first.communicate(timeout=ENOUGH_S)
         self.view(sensor, "--raw", "left", "--raw-count", 1)

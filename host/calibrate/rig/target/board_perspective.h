@@ -27,6 +27,7 @@ class BoardPerspective {
   Eigen::Matrix2d slope(const std::array<double, 2>& on_board) const;
 
  private:
+  // NOLINTNEXTLINE(modernize-pass-by-value): a matrix cannot be moved
   explicit BoardPerspective(const Eigen::Matrix3d& matrix) : matrix_(matrix) {}
 
   Eigen::Matrix3d matrix_;

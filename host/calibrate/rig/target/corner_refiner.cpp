@@ -170,6 +170,7 @@ White white_at(const Frame& frame, double x, double y, double blur) {
 class GreyMisfit {
  public:
   using Scalar = double;
+  // NOLINTNEXTLINE(readability-identifier-naming): the solver's names
   enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = kUnknowns };
 
   GreyMisfit(const dataset::Image<float>& picture, const Frame& frame, const Model& start)
@@ -223,6 +224,7 @@ class GreyMisfit {
             .span = start_.span * x(6)};
   }
 
+  // NOLINTNEXTLINE(readability-identifier-naming): the solver's name
   int NumResiduals() const { return static_cast<int>(pixels_.size()); }
 
   // Always true: where the model ran away, the misfit is too large to go there.

@@ -179,6 +179,51 @@ std::expected<ControlAnswer, ControlError> ask(std::deque<Scripted::Replies> scr
 
 constexpr wire::SettingsAnswer kOk{.result = SettingsResult::kOk, .revision = 3};
 
+// Has packets of so many bytes, and says how long it was to wait for the last one.
+class Heap final : public ControlTransport {
+ public:
+  explicit Heap(std::size_t packets) : left_(packets) {}
+  Status send(std::span<const std::byte> /*packet*/) override { return Status::kOk; }
+  Result<Bytes> receive(Duration timeout) override {
+    waited = timeout;
+    if (left_ == 0) {
+      return fail(Status::kTimeout);
+    }
+    return Bytes(left_--);
+  }
+  std::string place() const override { return "heap"; }
+
+  Duration waited{};
+
+ private:
+  std::size_t left_;
+};
+
+// The system may run others between a packet and the look for it.
+TEST(ReceiveUntil, FindsBehindTheDeadlineWhatLiesThereAndEndsInAFlood) {
+  const Time over = Time::clock::now() - 1s;
+  Heap three(3);
+  int behind = 0;
+  for (std::size_t left = 3; left > 0; --left) {
+    const auto packet = receive_until(three, over, behind);
+    ASSERT_TRUE(packet);
+    EXPECT_EQ(packet->size(), left);
+    EXPECT_EQ(three.waited, Duration::zero());
+  }
+  EXPECT_EQ(receive_until(three, over, behind).error(), Status::kTimeout);
+  Heap flood(1000);
+  behind = 0;
+  std::size_t taken = 0;
+  while (receive_until(flood, over, behind)) {
+    ++taken;
+  }
+  EXPECT_EQ(taken, 64U);
+  Heap one(1);
+  behind = 0;
+  EXPECT_TRUE(receive_until(one, Time::clock::now() + 1h, behind));
+  EXPECT_GT(one.waited, 30min);
+}
+
 TEST(ControlClient, RepeatsWhatGetsLost) {
   const auto answer = ask({{}, {}, {kOk}});
   ASSERT_TRUE(answer) << answer.error().message;

@@ -23,6 +23,8 @@ using test::Sensor;
 
 Receiver open(const Sensor& sensor, ReceiverOptions options = {}) {
   options.sensor = "127.0.0.1:" + std::to_string(sensor.number());
+  options.reassembler.max_age = 600s;  // whatever else this computer does
+  options.reassembler.frame_timeout = 600s;
   auto receiver = Receiver::open(options);
   if (!receiver) {
     ADD_FAILURE() << receiver.error().message;
@@ -31,10 +33,10 @@ Receiver open(const Sensor& sensor, ReceiverOptions options = {}) {
   return std::move(*receiver);
 }
 
-// Turns of next() until the condition holds; some seconds at most.
+// Turns of next() until the condition holds; a minute at most.
 template <typename Condition>
 bool until(Receiver& receiver, Condition condition) {
-  for (int i = 0; i < 1000 && !condition(); ++i) {
+  for (int i = 0; i < 12'000 && !condition(); ++i) {
     static_cast<void>(receiver.next(5ms));
   }
   return condition();
