@@ -1,7 +1,6 @@
 #include "host/cli/update.h"
 
 #include <chrono>
-#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <string_view>
@@ -9,8 +8,11 @@
 
 #include "dataset/files/file.h"
 #include "host/cli/failure.h"
+#include "host/cli/json_output.h"
+#include "host/cli/output.h"
 #include "host/cli/progress_line.h"
 #include "host/cli/upload_way.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -57,8 +59,38 @@ std::string read_update_file(const std::filesystem::path& file) {
   return bytes;
 }
 
+// How an update goes on: to a person as it happens, to a program at its end.
+class TrialTeller {
+ public:
+  TrialTeller(const UploadWay& way, bool json, std::uint32_t former, std::uint32_t tried)
+      : way_(way), json_(json), former_(former), tried_(tried) {}
+
+  void tell(const std::string& what) const {
+    if (!json_) {
+      say(printed("%s: release %08x ", way_.who().c_str(), tried_) + what);
+    }
+  }
+  // state: "on_trial", "confirmed", "reverted", "unknown".
+  void end(const char* state) const {
+    if (json_) {
+      nlohmann::ordered_json json = way_.json();
+      json["release"] = printed("%08x", tried_);
+      json["former"] = printed("%08x", former_);
+      json["state"] = state;
+      say_json(json);
+    }
+  }
+
+ private:
+  const UploadWay& way_;
+  bool json_;
+  std::uint32_t former_;
+  std::uint32_t tried_;
+};
+
 // What comes of the trial: the sensor restarts, perhaps twice, and tells.
-void wait_for_verdict(UploadWay& way, std::uint32_t former, std::uint32_t tried, double wait_s) {
+void wait_for_verdict(UploadWay& way, const TrialTeller& teller, std::uint32_t former,
+                      std::uint32_t tried, double wait_s) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(wait_s);
   bool told = false;
   bool seen = tried != former;  // the same release again is known by its trial alone
@@ -71,20 +103,22 @@ void wait_for_verdict(UploadWay& way, std::uint32_t former, std::uint32_t tried,
     if (state->state == UploadState::kOnTrial && state->fingerprint == tried) {
       seen = true;
       if (!told) {
-        std::printf("%s: release %08x runs on trial\n", way.who().c_str(), tried);
-        std::fflush(stdout);
+        teller.tell("runs on trial");
         told = true;
       }
     } else if (state->state == UploadState::kSettled && seen && state->fingerprint == tried) {
-      std::printf("%s: release %08x is confirmed; it was %08x\n", way.who().c_str(), tried, former);
+      teller.tell(printed("is confirmed; it was %08x", former));
+      teller.end("confirmed");
       return;
     } else if (state->state == UploadState::kSettled && state->fingerprint == former &&
                tried != former) {
+      teller.end("reverted");
       throw Failure(Exit::kFailure, way.who() +
                                         ": went back to the former release: the new one did not "
                                         "publish for 30 s what was published before");
     }
   }
+  teller.end("unknown");
   throw Failure(Exit::kFailure, way.who() +
                                     ": did not tell what came of it: look with stof view, "
                                     "and try again later");
@@ -118,11 +152,12 @@ void update(const UpdateOptions& options) {
     refuse_upload(*answer, way->place);
   }
   way->remember();
-  std::printf("%s: release %08x is in the other slot; the sensor restarts with it on trial\n",
-              way->who().c_str(), answer->former);
-  std::fflush(stdout);
-  if (!options.no_wait) {
-    wait_for_verdict(*way, before->fingerprint, answer->former, options.wait_s);
+  const TrialTeller teller(*way, options.json, before->fingerprint, answer->former);
+  teller.tell("is in the other slot; the sensor restarts with it on trial");
+  if (options.no_wait) {
+    teller.end("on_trial");
+  } else {
+    wait_for_verdict(*way, teller, before->fingerprint, answer->former, options.wait_s);
   }
 }
 
@@ -143,6 +178,7 @@ void add_update(CLI::App& app, UpdateOptions& options) {
                      "SENSOR with --serial");
   command.add_flag("--revert", options.revert, "Try the release that is in the other slot");
   command.add_flag("--no-wait", options.no_wait, "End when the sensor restarts");
+  add_json_flag(command, options.json);
   add_control_flags(command, options);
   command.add_option("--wait", options.wait_s, "Seconds to wait for what comes of the trial")
       ->check(CLI::Range(1.0, 3600.0))
