@@ -1,15 +1,16 @@
 #include "host/cli/calib_install.h"
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 
 #include "dataset/files/file.h"
 #include "firmware/wire/calibration/calibration_file.h"
 #include "host/calibrate/calibration_store.h"
 #include "host/cli/failure.h"
+#include "host/cli/json_output.h"
+#include "host/cli/output.h"
 #include "host/cli/progress_line.h"
 #include "host/cli/upload_way.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -71,19 +72,25 @@ void calib_install(const CalibInstallOptions& options) {
   }
   const std::uint32_t sent = wire::calibration_fingerprint(std::as_bytes(std::span(bytes)));
   if (!options.factory && answer->fingerprint != sent) {
-    std::array<char, 80> numbers{};
-    std::snprintf(numbers.data(), numbers.size(),
-                  "says that calibration %08x is in force, and was sent %08x", answer->fingerprint,
-                  sent);
     throw Failure(
         Exit::kFailure,
-        way->place + ": " + numbers.data() +
+        way->place +
+            printed(": says that calibration %08x is in force, and was sent %08x",
+                    answer->fingerprint, sent) +
             ": something else answers in the sensor's place, or it cannot use it (stof view)");
   }
   way->remember();
-  std::printf("%s: calibration %08x is in force%s; it was %08x\n", way->who().c_str(),
-              answer->fingerprint, options.factory ? ", the factory's" : " and kept",
-              answer->former);
+  if (options.json) {
+    nlohmann::ordered_json json = way->json();
+    json["calibration"] = printed("%08x", answer->fingerprint);
+    json["former"] = printed("%08x", answer->former);
+    json["factory"] = options.factory;
+    say_json(json);
+  } else {
+    say(printed("%s: calibration %08x is in force%s; it was %08x", way->who().c_str(),
+                answer->fingerprint, options.factory ? ", the factory's" : " and kept",
+                answer->former));
+  }
 }
 
 void add_calib_install(CLI::App& calib, CalibInstallOptions& options) {
@@ -102,6 +109,7 @@ void add_calib_install(CLI::App& calib, CalibInstallOptions& options) {
                      "SENSOR with --serial");
   command.add_flag("--factory", options.factory,
                    "Go back to the calibration that the sensor had before the first install");
+  add_json_flag(command, options.json);
   add_control_flags(command, options);
   command.add_option("--patience", options.patience_s, "Seconds to go on without an answer")
       ->check(CLI::Range(0.1, 3600.0))

@@ -12,8 +12,9 @@ namespace stof::host {
 
 struct CalibInstallOptions : ControlFlags {
   std::vector<std::string> words{};  // FILE SENSOR; no FILE with `factory`, no SENSOR with `serial`
-  bool factory = false;              // goes back to the factory's calibration
-  double patience_s = 40;            // without an answer
+  bool json = false;
+  bool factory = false;    // goes back to the factory's calibration
+  double patience_s = 40;  // without an answer
 };
 
 // Adds the command to `stof calib`; it runs when the command line was parsed.

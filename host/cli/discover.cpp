@@ -7,6 +7,7 @@
 
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
+#include "host/cli/json_output.h"
 #include "host/cli/output.h"
 #include "host/client/value_names.h"
 #include "host/discovery/discover.h"
@@ -67,8 +68,7 @@ std::string discover_json(const std::vector<client::FoundSensor>& sensors) {
     }
     list.push_back(std::move(entry));
   }
-  // Texts come from the network and may be anything.
-  return list.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return json_text(list);
 }
 
 void discover(const DiscoverCommand& command) {

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/failure.h"
+#include "host/cli/json_output.h"
 #include "host/cli/output.h"
 #include "posix/local_socket.h"
 #include "posix/poll.h"
@@ -72,7 +73,7 @@ void print(const std::vector<DeviceFaults>& devices, bool json) {
                                                 : nlohmann::ordered_json(std::stoul(one.edges))},
                      {"faults", one.kinds}});
     }
-    say(all.dump(2));
+    say_json(all);
     return;
   }
   for (const DeviceFaults& one : devices) {

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <span>
@@ -20,10 +21,13 @@
 #include "firmware/wire/keys/key_text.h"
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
+#include "host/cli/json_output.h"
+#include "host/cli/output.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/pairing.h"
 #include "host/client/control/pair_client.h"
 #include "host/client/control/user_keys.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -70,12 +74,16 @@ std::string named_code(const std::string& named) {
   return space.data();
 }
 
+// What is asked and said meanwhile: --json leaves stdout to its object.
+std::FILE* talk(const PairOptions& options) { return options.json ? stderr : stdout; }
+
 // The user types what the sensor tells: who only has to say yes says it too soon.
 void compare_digits(std::uint32_t ours, const PairOptions& options) {
   std::string told = options.digits;
   if (told.empty()) {
-    std::printf("Type the six digits that the sensor tells (its log, its serial line): ");
-    std::fflush(stdout);
+    std::fprintf(talk(options),
+                 "Type the six digits that the sensor tells (its log, its serial line): ");
+    std::fflush(talk(options));
     std::getline(std::cin, told);
   }
   const std::string typed = digits_in(told);
@@ -113,8 +121,32 @@ client::PairWish wish_of(const PairOptions& options) {
   return wish;
 }
 
-void say_kept(const wire::Key& key, const std::string& file) {
-  std::printf("%s\n", kept_text(key, file).c_str());
+nlohmann::ordered_json key_json(const wire::Key& key, const std::string& file) {
+  return {{"key", id_text(key)},
+          {"device_id", key.device},
+          {"role", wire::role_text(key.role)},
+          {"name", key.name_text()},
+          {"file", file}};
+}
+
+void say_kept(const PairOptions& options, const wire::Key& key, const std::string& file,
+              const std::vector<wire::Key>& older) {
+  if (options.json) {
+    nlohmann::ordered_json json = key_json(key, file);
+    json["older"] = nlohmann::ordered_json::array();
+    for (const wire::Key& one : older) {
+      json["older"].push_back(id_text(one));
+    }
+    say_json(json);
+    return;
+  }
+  say(kept_text(key, file));
+  for (const wire::Key& one : older) {
+    say(printed(
+        "an older key %08x of a sensor with this number stays: if it is of this sensor, end it "
+        "by stof unpair SENSOR --id %08x",
+        one.id, one.id));
+  }
 }
 
 void renew(const PairOptions& options, const std::string& file) {
@@ -158,22 +190,19 @@ void renew(const PairOptions& options, const std::string& file) {
                                         "try again with --renew");
     }
     static_cast<void>(std::remove(waiting.c_str()));
-    say_kept(next, file);
+    say_kept(options, next, file, {});
     return;
   }
   throw Failure(Exit::kFailure, refusal);
 }
 
 // What else opens a sensor of this number.
-void say_older(const wire::KeyTable& keys, const wire::Key& newest) {
-  for (const wire::Key& key : keys.all()) {
-    if (key.device == newest.device && key.id != newest.id) {
-      std::printf(
-          "an older key %08x of a sensor with this number stays: if it is of this sensor, end it "
-          "by stof unpair SENSOR --id %08x\n",
-          key.id, key.id);
-    }
-  }
+std::vector<wire::Key> older_keys(const wire::KeyTable& keys, const wire::Key& newest) {
+  std::vector<wire::Key> older;
+  std::ranges::copy_if(keys.all(), std::back_inserter(older), [&newest](const wire::Key& key) {
+    return key.device == newest.device && key.id != newest.id;
+  });
+  return older;
 }
 
 void pair_with(const PairOptions& options, const std::string& file) {
@@ -183,26 +212,27 @@ void pair_with(const PairOptions& options, const std::string& file) {
   pairing.start();
   if (pairing.by_digits()) {
     compare_digits(pairing.digits(), options);
-    std::printf(
+    std::fprintf(
+        talk(options),
         "They are equal. Now accept them at the sensor: hold its button for 3 seconds, or type "
         "them where stof pair --window asks.\n");
-    std::fflush(stdout);
+    std::fflush(talk(options));
   }
   const wire::Key key = pairing.finish(std::chrono::minutes(2));
-  say_kept(key, file);
-  say_older(value_or_fail(client::read_user_keys(file)), key);
+  say_kept(options, key, file, older_keys(value_or_fail(client::read_user_keys(file)), key));
 }
 
 // Whoever holds the cable stands for the button. He types the digits once more: who only has to say
 // yes says it before the other end has compared them.
-std::uint32_t accepted_digits(std::uint32_t told) {
+std::uint32_t accepted_digits(const PairOptions& options, std::uint32_t told) {
   constexpr std::uint32_t kNone = 1'000'000;
   const std::string wanted = six_digits(told);
-  std::printf(
+  std::fprintf(
+      talk(options),
       "The sensor's digits are %s: type them into stof pair. Only if it says that they are equal, "
       "type them here too: ",
       wanted.c_str());
-  std::fflush(stdout);
+  std::fflush(talk(options));
   std::string typed;
   std::getline(std::cin, typed);
   return digits_in(typed) == wanted ? told : kNone;
@@ -216,24 +246,33 @@ void open_window(const PairOptions& options) {
   client::PairClient client(open_way("pair", options.sensor, options.serial, options.baud),
                             {.name = own_name(options)}, timing(options.timeout_s));
   client::PairWindow window = value_or_end(client.open_window());
-  std::printf("Pairing is open for two minutes: now stof pair SENSOR, where the key shall be.\n");
-  std::fflush(stdout);
+  std::fprintf(talk(options),
+               "Pairing is open for two minutes: now stof pair SENSOR, where the key shall be.\n");
+  std::fflush(talk(options));
   for (bool asked = false; window.key_id == 0;) {
     if (window.digits && !asked) {
       asked = true;
-      window = value_or_end(client.accept(accepted_digits(*window.digits)));
+      window = value_or_end(client.accept(accepted_digits(options, *window.digits)));
     } else {
       std::this_thread::sleep_for(std::chrono::milliseconds(200));
       window = value_or_end(client.open_window());
     }
   }
-  std::printf("key %08x is in force: whoever ran stof pair has it\n", window.key_id);
+  if (options.json) {
+    say_json({{"key", printed("%08x", window.key_id)}});
+  } else {
+    say(printed("key %08x is in force: whoever ran stof pair has it", window.key_id));
+  }
 }
 
 void pair_into(const PairOptions& options, const std::string& own) {
   wire::KeyTable sensor = value_or_fail(client::read_user_keys(options.into));
   if (paired(sensor, value_or_fail(client::read_user_keys(own)), options.device.value_or(1))) {
-    std::printf("%s: has a key of %s already\n", options.into.c_str(), own.c_str());
+    if (options.json) {
+      say_json({{"key", nullptr}, {"file", own}, {"into", options.into}});
+    } else {
+      say(options.into + ": has a key of " + own + " already");
+    }
     return;
   }
   const wire::Key key = random_key(options);
@@ -244,8 +283,14 @@ void pair_into(const PairOptions& options, const std::string& own) {
   }
   value_or_fail(client::write_user_keys(options.into, sensor));
   value_or_fail(client::add_user_key(own, key));
-  std::printf("key %08x, %s, is in %s and in %s\n", key.id, options.role.c_str(),
-              options.into.c_str(), own.c_str());
+  if (options.json) {
+    nlohmann::ordered_json json = key_json(key, own);
+    json["into"] = options.into;
+    say_json(json);
+  } else {
+    say(printed("key %08x, %s, is in %s and in %s", key.id, options.role.c_str(),
+                options.into.c_str(), own.c_str()));
+  }
 }
 
 }  // namespace
@@ -295,6 +340,8 @@ void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing) {
       ->check(CLI::IsMember({"view", "tune", "admin"}))
       ->capture_default_str();
   command.add_option("--name", options.name, "Whose it is (default: user@host)");
+  command.add_flag("--json", options.json,
+                   "A JSON object at the end, and nothing else; what is asked goes to stderr");
   command.callback([&options] { pair(options); });
 
   CLI::App& ending = *app.add_subcommand("unpair", "End a key of a sensor, or list them");
@@ -303,6 +350,7 @@ void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing) {
   add_line(ending, unpairing);
   ending.add_option("--id", unpairing.id, "Of the key, 8 digits (default: your own)");
   ending.add_flag("--list", unpairing.list, "Print which keys there are");
+  add_json_flag(ending, unpairing.json);
   ending.add_flag("--forget", unpairing.forget, "Only in your file: the sensor --device is gone");
   ending.callback([&unpairing] { unpair(unpairing); });
 }

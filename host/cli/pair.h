@@ -18,6 +18,7 @@ struct PairOptions : ControlFlags {
   bool again = false;    // also a sensor whose number another key has
   std::string role = "admin";
   std::string name{};  // whose key it is; empty: USER@HOST
+  bool json = false;
 };
 
 struct UnpairOptions : ControlFlags {
@@ -25,6 +26,7 @@ struct UnpairOptions : ControlFlags {
   std::string id{};     // of the key; empty: this user's own
   bool list = false;    // says which keys there are
   bool forget = false;  // in this user's file alone: the sensor is gone
+  bool json = false;
 };
 
 // Adds `stof pair`, `stof unpair` and their flags; they run when the command line was parsed.

@@ -5,6 +5,7 @@
 #include "dataset/files/file.h"
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
+#include "host/cli/json_output.h"
 #include "host/cli/output.h"
 #include "host/cli/stop_signal.h"
 #include "host/netem/relay.h"
@@ -49,7 +50,25 @@ std::string way_text(const char* name, const netem::Impairment::Counts& counts) 
                  static_cast<unsigned long long>(counts.corrupted));
 }
 
-void print_line(double seconds, const netem::RelayCounts& counts) {
+nlohmann::ordered_json way_json(const netem::Impairment::Counts& counts) {
+  return {{"in", counts.in},
+          {"out", counts.out},
+          {"lost", counts.lost + counts.overflowed},
+          {"duplicated", counts.duplicated},
+          {"corrupted", counts.corrupted}};
+}
+
+void print_line(double seconds, const ProxyOptions& options, const netem::Relay& relay) {
+  const netem::RelayCounts counts = relay.counts();
+  if (options.json) {
+    say_json_line({{"seconds", seconds},
+                   {"port", relay.port()},
+                   {"to", options.to},
+                   {"clients", counts.clients},
+                   {"down", way_json(counts.down)},
+                   {"up", way_json(counts.up)}});
+    return;
+  }
   say(printed("%6.1f s  %zu clients", seconds, counts.clients) + way_text("down", counts.down) +
       way_text("up", counts.up));
 }
@@ -62,7 +81,10 @@ void proxy(const ProxyOptions& options) {
   if (!relay) {
     throw Failure(Exit::kBadInput, relay.error());
   }
-  say("passing UDP " + options.bind + ":" + std::to_string((*relay)->port()) + " to " + options.to);
+  if (!options.json) {
+    say("passing UDP " + options.bind + ":" + std::to_string((*relay)->port()) + " to " +
+        options.to);
+  }
   if (!options.port_file.empty()) {
     value_or_fail(dataset::write_whole(options.port_file, std::to_string((*relay)->port()) + "\n"));
   }
@@ -76,12 +98,12 @@ void proxy(const ProxyOptions& options) {
     }
     const netem::Time now = netem::Time::clock::now();
     if (now >= next) {
-      print_line(std::chrono::duration<double>(now - began).count(), (*relay)->counts());
+      print_line(std::chrono::duration<double>(now - began).count(), options, **relay);
       next += kLine;
     }
   }
-  print_line(std::chrono::duration<double>(netem::Time::clock::now() - began).count(),
-             (*relay)->counts());
+  print_line(std::chrono::duration<double>(netem::Time::clock::now() - began).count(), options,
+             **relay);
 }
 
 void add_proxy(CLI::App& app, ProxyOptions& options) {
@@ -117,6 +139,7 @@ void add_proxy(CLI::App& app, ProxyOptions& options) {
       ->capture_default_str();
   command.add_option("--port-file", options.port_file,
                      "File that gets the number of the opened port");
+  command.add_flag("--json", options.json, "A JSON object a second, a line each, and at the end");
   command.callback([&options] { proxy(options); });
 }
 

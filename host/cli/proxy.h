@@ -23,6 +23,7 @@ struct ProxyOptions {
   std::uint64_t seed = 1;
   std::string only = "both";
   std::filesystem::path port_file;  // gets the port's number when it is open
+  bool json = false;                // the lines are objects
 };
 
 // Adds the command and its flags; it runs when the command line was parsed.

@@ -3,6 +3,8 @@
 #include "dataset/files/file.h"
 #include "host/cli/control_flags.h"
 #include "host/cli/failure.h"
+#include "host/cli/help_text.h"
+#include "host/cli/json_output.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/sensor/find_sensor.h"
 #include "host/client/control/known_sensors.h"
@@ -104,6 +106,12 @@ void add_subscription_flags(CLI::App& command, ReceiveOptions& options) {
       ->check(CLI::Range(0.01, 1e6))
       ->capture_default_str();
   add_key_flags(command, options);
+}
+
+void add_reading_flags(CLI::App& command, ReceiveOptions& options, bool& json) {
+  command.add_option("SENSOR", options.sensor, kSensorOrFile)->required();
+  add_json_flag(command, json);
+  add_subscription_flags(command, options);
 }
 
 void add_receive_flags(CLI::App& command, ReceiveOptions& options) {

@@ -33,6 +33,8 @@ void add_key_flags(CLI::App& command, ReceiveOptions& options);
 void add_place_flags(CLI::App& command, ReceiveOptions& options);
 // How long to wait, and with which key: of commands that always subscribe.
 void add_subscription_flags(CLI::App& command, ReceiveOptions& options);
+// SENSOR, which may be a recording, --json, and how it is subscribed: of commands that read.
+void add_reading_flags(CLI::App& command, ReceiveOptions& options, bool& json);
 // All of them but the sensor.
 void add_receive_flags(CLI::App& command, ReceiveOptions& options);
 // Throws Failure where they contradict each other.

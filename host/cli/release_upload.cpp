@@ -31,6 +31,10 @@ void need_follower(const ReleaseFollower& follower, const UploadWay& way) {
 // What comes of the trial: the sensor restarts, perhaps twice, and tells.
 ReleaseEnd await_verdict(UploadWay& way, std::uint32_t former, std::uint32_t tried, double wait_s,
                          const ReleaseFollower& follower) {
+  const auto ended = [&](ReleaseState state, const std::string& what) {
+    return ReleaseEnd{
+        .state = state, .release = tried, .former = former, .line = way.who() + ": " + what};
+  };
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(wait_s);
   bool told = false;
   bool seen = tried != former;  // the same release again is known by its trial alone
@@ -49,23 +53,34 @@ ReleaseEnd await_verdict(UploadWay& way, std::uint32_t former, std::uint32_t tri
       }
       told = true;
     } else if (state->state == UploadState::kSettled && seen && state->fingerprint == tried) {
-      return {.confirmed = true,
-              .line = printed("%s: release %08x is confirmed; it was %08x", way.who().c_str(),
-                              tried, former)};
+      return ended(ReleaseState::kConfirmed,
+                   printed("release %08x is confirmed; it was %08x", tried, former));
     } else if (state->state == UploadState::kSettled && state->fingerprint == former &&
                tried != former) {
-      return {.confirmed = false,
-              .line = way.who() +
-                      ": went back to the former release: the new one did not publish for 30 s "
-                      "what was published before"};
+      return ended(ReleaseState::kReverted,
+                   "went back to the former release: the new one did not publish for 30 s what was "
+                   "published before");
     }
   }
-  throw Failure(Exit::kFailure, way.who() +
-                                    ": did not tell what came of it: look with stof view, "
-                                    "and try again later");
+  return ended(ReleaseState::kUnknown,
+               "did not tell what came of it: look with stof view, and try again later");
 }
 
 }  // namespace
+
+const char* name_of(ReleaseState state) noexcept {
+  switch (state) {
+    case ReleaseState::kOnTrial:
+      return "on_trial";
+    case ReleaseState::kConfirmed:
+      return "confirmed";
+    case ReleaseState::kReverted:
+      return "reverted";
+    case ReleaseState::kUnknown:
+      break;
+  }
+  return "unknown";
+}
 
 std::string read_release(const std::filesystem::path& file) {
   std::string bytes = value_or_fail(dataset::read_whole(file, kMostUpdateBytes));
@@ -108,7 +123,7 @@ ReleaseEnd put_release(UploadWay& way, const std::string& bytes, double wait_s,
                           way.who().c_str(), answer->former));
   }
   return wait_s > 0 ? await_verdict(way, before->fingerprint, answer->former, wait_s, follower)
-                    : ReleaseEnd{};
+                    : ReleaseEnd{.release = answer->former, .former = before->fingerprint};
 }
 
 }  // namespace stof::host

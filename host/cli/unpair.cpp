@@ -1,14 +1,16 @@
 #include <algorithm>
-#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "host/cli/failure.h"
+#include "host/cli/json_output.h"
+#include "host/cli/output.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/pair.h"
 #include "host/client/control/user_keys.h"
 #include "host/client/printable.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -37,7 +39,7 @@ client::ControlAnswer done(client::ControlAnswer answer, const std::string& plac
     return answer;
   }
   if (answer.result == wire::SettingsResult::kUnknownKey) {
-    answer.text = "has none of your keys any more";
+    answer.text = "has none of your keys";
   }
   throw Failure(
       answer.result == wire::SettingsResult::kInvalid ? Exit::kBadInput : Exit::kFailure,
@@ -82,7 +84,11 @@ void unpair(const UnpairOptions& options) {
     const std::size_t count = forget(file, [&](const wire::Key& key) {
       return key.device == device && (key_id == 0 || key.id == key_id);
     });
-    std::printf("%zu keys of sensor %08x forgotten in %s\n", count, device, file.c_str());
+    if (options.json) {
+      say_json({{"forgotten", count}, {"device_id", device}, {"file", file}});
+    } else {
+      say(printed("%zu keys of sensor %08x forgotten in %s", count, device, file.c_str()));
+    }
     return;
   }
   auto transport = open_way("unpair", options.sensor, options.serial, options.baud);
@@ -95,7 +101,7 @@ void unpair(const UnpairOptions& options) {
   client::ControlClient client(std::move(transport), control);
   if (options.list) {
     const auto answer = ask(client, wire::SettingsOperation::kKeys, {}, place);
-    std::printf("%s\n", client::printable(answer.text, client::Lines::kSeveral).c_str());
+    say(client::printable(answer.text, client::Lines::kSeveral));
     return;
   }
   const std::string id =
@@ -107,8 +113,12 @@ void unpair(const UnpairOptions& options) {
     remember_place(file, {.named = options.sensor, .address = place}, client.proven()->key_id);
   }
   static_cast<void>(forget(file, [&id](const wire::Key& key) { return id == id_text(key); }));
-  std::printf("key %s of sensor %08x is none any more\n", client::printable(id).c_str(),
-              client.proven() ? client.proven()->device : device);
+  const std::uint32_t proven = client.proven() ? client.proven()->device : device;
+  if (options.json) {
+    say_json({{"ended", client::printable(id)}, {"device_id", proven}, {"file", file}});
+  } else {
+    say(printed("key %s of sensor %08x is none any more", client::printable(id).c_str(), proven));
+  }
 }
 
 }  // namespace stof::host

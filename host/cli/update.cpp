@@ -1,12 +1,14 @@
 #include "host/cli/update.h"
 
-#include <cstdio>
 #include <filesystem>
 
 #include "host/cli/failure.h"
+#include "host/cli/json_output.h"
+#include "host/cli/output.h"
 #include "host/cli/progress_line.h"
 #include "host/cli/release_upload.h"
 #include "host/cli/upload_way.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -36,6 +38,14 @@ UpdateWords read_update_words(const UpdateOptions& options) {
   return words;
 }
 
+nlohmann::ordered_json end_json(const UploadWay& way, const ReleaseEnd& end) {
+  nlohmann::ordered_json json = way.json();
+  json["release"] = printed("%08x", end.release);
+  json["former"] = printed("%08x", end.former);
+  json["state"] = name_of(end.state);
+  return json;
+}
+
 }  // namespace
 
 void update(const UpdateOptions& options) {
@@ -48,18 +58,21 @@ void update(const UpdateOptions& options) {
       put_release(*way, bytes, options.no_wait ? 0 : options.wait_s,
                   {.sent = [&line](std::size_t now, std::size_t all) { line.show(now, all); },
                    .told =
-                       [&line](ReleaseStep /*step*/, const std::string& text) {
+                       [&](ReleaseStep /*step*/, const std::string& text) {
                          line.end();
-                         std::printf("%s\n", text.c_str());
-                         std::fflush(stdout);
+                         if (!options.json) {
+                           say(text);
+                         }
                        }});
-  if (options.no_wait) {
-    return;
+  if (options.json) {
+    say_json(end_json(*way, end));
   }
-  if (!end.confirmed) {
+  if (end.state == ReleaseState::kReverted || end.state == ReleaseState::kUnknown) {
     throw Failure(Exit::kFailure, end.line);
   }
-  std::printf("%s\n", end.line.c_str());
+  if (!options.json && end.state == ReleaseState::kConfirmed) {
+    say(end.line);
+  }
 }
 
 void add_update(CLI::App& app, UpdateOptions& options) {
@@ -79,6 +92,7 @@ void add_update(CLI::App& app, UpdateOptions& options) {
                      "SENSOR with --serial");
   command.add_flag("--revert", options.revert, "Try the release that is in the other slot");
   command.add_flag("--no-wait", options.no_wait, "End when the sensor restarts");
+  add_json_flag(command, options.json);
   add_control_flags(command, options);
   command.add_option("--wait", options.wait_s, "Seconds to wait for what comes of the trial")
       ->check(CLI::Range(1.0, 3600.0))

@@ -12,10 +12,11 @@ namespace stof::host {
 
 struct UpdateOptions : ControlFlags {
   std::vector<std::string> words{};  // SENSOR FILE; no FILE with `revert`, no SENSOR with `serial`
-  bool revert = false;               // tries the release in the other slot
-  bool no_wait = false;              // ends when the sensor restarts
-  double wait_s = 240;               // for the restart and what comes of it
-  double patience_s = 40;            // without an answer meanwhile
+  bool json = false;
+  bool revert = false;     // tries the release in the other slot
+  bool no_wait = false;    // ends when the sensor restarts
+  double wait_s = 240;     // for the restart and what comes of it
+  double patience_s = 40;  // without an answer meanwhile
 };
 
 void add_update(CLI::App& app, UpdateOptions& options);

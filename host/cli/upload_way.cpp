@@ -11,6 +11,12 @@ std::string UploadWay::who() const {
   return sensor.proven() ? "sensor " + std::to_string(sensor.proven()->device) : place;
 }
 
+nlohmann::ordered_json UploadWay::json() const {
+  using Json = nlohmann::ordered_json;
+  return {{"device_id", sensor.proven() ? Json(sensor.proven()->device) : Json(nullptr)},
+          {"place", place}};
+}
+
 void UploadWay::remember() const {
   if (sensor.proven() && !named.empty()) {
     remember_place(key_file, {.named = named, .address = place}, sensor.proven()->key_id);
@@ -45,7 +51,7 @@ void refuse_upload(const client::UploadResult& answer, const std::string& place)
   using Result = wire::SettingsResult;
   std::string why = answer.text;
   if (answer.result == Result::kUnknownKey) {
-    why = "has none of your keys any more: pair again (stof pair)";
+    why = "has none of your keys: pair with it (stof pair)";
   } else if (why.empty()) {
     why = "does not know this request: update the sensor";
   }

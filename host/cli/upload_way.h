@@ -3,6 +3,8 @@
 #include <memory>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "host/cli/control_flags.h"
 #include "host/cli/own_keys.h"
 #include "host/client/control/upload_client.h"
@@ -26,6 +28,8 @@ struct UploadWay {
 
   // The sensor that has proven who it is, else the place.
   std::string who() const;
+  // "device_id", null where none was proven, and "place".
+  nlohmann::ordered_json json() const;
   // Keeps where the sensor was proven to be.
   void remember() const;
 };

@@ -98,7 +98,7 @@ stof_status stof_settings(stof_sensor* sensor, stof_operation operation, stof_do
       return status_of(got.error().status);
     }
     if (got->result == wire::SettingsResult::kUnknownKey) {
-      lib::give_text("the sensor has none of your keys any more: pair again", out, out_size);
+      lib::give_text("the sensor has none of your keys: pair with it (stof pair)", out, out_size);
       sensor->control.reset();  // there may be another one next time
       return STOF_REFUSED;
     }

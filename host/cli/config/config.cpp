@@ -90,8 +90,7 @@ class Session {
       case wire::SettingsResult::kNotSaved:
         throw Failure(Exit::kFailure, place_ + ": " + answer->text);
       case wire::SettingsResult::kUnknownKey:
-        throw Failure(Exit::kFailure,
-                      place_ + ": has none of your keys any more: pair again (stof pair)");
+        throw Failure(Exit::kFailure, place_ + ": has none of your keys: pair with it (stof pair)");
       case wire::SettingsResult::kBusy:
         throw Failure(Exit::kFailure, place_ + ": is busy: try again");
       default:
@@ -266,7 +265,7 @@ bool names_no_sensor(Words words) {
 }
 
 // Before anything is sent.
-void judge_words(const std::vector<std::string>& words) {
+void judge_config_words(const std::vector<std::string>& words) {
   if (words.empty()) {
     throw Failure(Exit::kBadInput, "config: what to do is missing: " + std::string(kActions));
   }
@@ -282,7 +281,7 @@ void judge_words(const std::vector<std::string>& words) {
 
 std::string config_over(std::unique_ptr<client::ControlTransport> transport,
                         const std::vector<std::string>& words, const ConfigOptions& options) {
-  judge_words(words);
+  judge_config_words(words);
   const std::string address = transport->place();
   const client::ControlOptions control = control_options(options);
   // Whoever is read from where nobody knows which sensor is meant proves nothing of this place.
@@ -310,10 +309,10 @@ void config(const ConfigOptions& options) {
     }
     whole.sensor = words.front();
     words.erase(words.begin());
-    judge_words(words);
+    judge_config_words(words);
     transport = value_or_fail(client::open_udp_transport(sensor_address(whole.sensor)));
   } else {
-    judge_words(words);
+    judge_config_words(words);
     transport = value_or_fail(open_serial_transport(options.serial, options.baud));
   }
   const std::string text = config_over(std::move(transport), words, whole);

@@ -9,6 +9,7 @@
 #include "host/cli/evaluate/evaluate.h"
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
+#include "host/cli/json_output.h"
 #include "host/cli/live/reception.h"
 #include "host/cli/output.h"
 #include "host/cli/recording/damage_text.h"
@@ -39,7 +40,7 @@ void print_counts(const ExportOptions& options, const ExportCounts& counts) {
         {"exported", counts.exported},
         {"damaged", counts.damaged},
         {"damaged_bytes", counts.damaged_bytes}};
-    say(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    say_json(json);
   } else {
     say(printed("wrote %llu of %llu frames to %s", static_cast<unsigned long long>(counts.exported),
                 static_cast<unsigned long long>(counts.frames), options.to.c_str()));
@@ -190,7 +191,7 @@ void add_export(CLI::App& app, ExportOptions& options) {
       .add_option("--frames", options.frames,
                   "Only so many, the first ones; 0: all, of a sensor until interrupted")
       ->capture_default_str();
-  command.add_flag("--json", options.json, "A JSON object");
+  add_json_flag(command, options.json);
   add_subscription_flags(command, options);
   command.callback([&options] {
     is_recorded(options.sensor) ? export_recording(options) : export_sensor(options);

@@ -8,6 +8,7 @@
 
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
+#include "host/cli/json_output.h"
 #include "host/cli/output.h"
 #include "host/cli/recording/damage_text.h"
 #include "host/cli/recording/reading_progress.h"
@@ -154,10 +155,11 @@ void info(const InfoOptions& options) {
   const std::string& file = options.sensor;
   if (!is_recorded(file)) {
     const SensorInfo sensor = read_sensor_info(options);
-    say_text(options.json ? sensor_info_json(sensor).dump(
-                                2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
-                                "\n"
-                          : sensor_info_text(sensor));
+    if (options.json) {
+      say_json(sensor_info_json(sensor));
+    } else {
+      say_text(sensor_info_text(sensor));
+    }
     return;
   }
   const recording::Summary summary = [&] {
@@ -179,9 +181,7 @@ void add_info(CLI::App& app, InfoOptions& options) {
                "Ends with 0 (also for a cut recording: it says so), 1 (no frame came, records of "
                "the recording are damaged, or the output cannot be written) or 2 (bad input, no "
                "recording).");
-  command.add_option("SENSOR", options.sensor, kSensorOrFile)->required();
-  command.add_flag("--json", options.json, "A JSON object");
-  add_subscription_flags(command, options);
+  add_reading_flags(command, options, options.json);
   command.callback([&options] { info(options); });
 }
 

@@ -9,6 +9,7 @@
 #include "firmware/wire/frame/raw_packets.h"
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
+#include "host/cli/json_output.h"
 #include "host/cli/live/link_teller.h"
 #include "host/cli/output.h"
 #include "host/cli/own_keys.h"
@@ -183,7 +184,7 @@ void print_json(const RecordOptions& options, const Recording& session,
     json["raw_exposures"] = session.exposures();
     json["raw_incomplete"] = session.lost_pictures();
   }
-  say(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  say_json(json);
 }
 
 void judge(const RecordOptions& options, client::Receiver& receiver, const Recording& session,
@@ -314,7 +315,7 @@ void add_record(CLI::App& app, RecordOptions& options, const char* program) {
                    "of it again. --frames counts exposures that have it. A paired sensor gives it "
                    "to --signed alone");
   command.add_flag("--force", options.force, "Replace FILE where it is there");
-  command.add_flag("--json", options.json, "A JSON object at the end, and nothing else");
+  add_json_flag(command, options.json);
   add_receive_flags(command, options);
   command.callback([&options] {
     if (options.sensor == "-") {

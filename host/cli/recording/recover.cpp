@@ -34,7 +34,7 @@ void recover(const RecoverOptions& options) {
                                       {"cut_bytes", result.cut_bytes},
                                       {"damaged", result.damaged},
                                       {"damaged_bytes", result.damaged_bytes}};
-    say(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    say_json(json);
   } else if (result.was_whole) {
     std::printf("%s: is whole, nothing was changed\n", file.c_str());
   } else {
@@ -68,7 +68,7 @@ void add_recover(CLI::App& app, RecoverOptions& options) {
   command.add_option("OUT", options.out,
                      "Leave FILE as it is, and write all that is sound in it here");
   command.add_flag("--force", options.force, "Replace OUT where it is there");
-  command.add_flag("--json", options.json, "A JSON object");
+  add_json_flag(command, options.json);
   command.callback([&options] { recover(options); });
 }
 

@@ -233,7 +233,7 @@ void replay(const ReplayOptions& options) {
                                       {"passes", player.passes()},
                                       {"damaged", player.damaged()},
                                       {"subscriptions", server->begun()}};
-    say(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    say_json(json);
   } else {
     std::printf("sent %llu frames to %llu subscriptions",
                 static_cast<unsigned long long>(player.frames()),
@@ -280,7 +280,7 @@ void add_replay(CLI::App& app, ReplayOptions& options) {
                   "Give up after so many seconds without a subscriber; 0: wait until interrupted")
       ->check(CLI::Range(0.0, 1e7))
       ->capture_default_str();
-  command.add_flag("--json", options.json, "A JSON object at the end, and nothing else");
+  add_json_flag(command, options.json);
   command.callback([&options] { replay(options); });
 }
 

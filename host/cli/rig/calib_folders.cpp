@@ -4,6 +4,7 @@
 #include "host/calibrate/rig/extrinsics/pmd_board_views.h"
 #include "host/calibrate/rig/report/rig_report.h"
 #include "host/cli/failure.h"
+#include "host/cli/json_output.h"
 #include "host/cli/output.h"
 #include "host/cli/rig/live_views.h"
 
@@ -87,6 +88,22 @@ ExtrinsicFit by_boards(const CalibFolderOptions& options, const dsp::Calibration
   return *fit;
 }
 
+nlohmann::ordered_json check_json(const RigCheck& check) {
+  nlohmann::ordered_json json{{"rows", nullptr}, {"depths", nullptr}};
+  if (check.rows) {
+    json["rows"] = {{"points", check.rows->points},
+                    {"median_px", check.rows->median_px},
+                    {"rms_px", check.rows->rms_px},
+                    {"slope_px", check.rows->slope_px}};
+  }
+  if (check.depths) {
+    json["depths"] = {{"points", check.depths->points},
+                      {"median_mm", check.depths->median_mm},
+                      {"spread_mm", check.depths->spread_mm}};
+  }
+  return json;
+}
+
 }  // namespace
 
 void calib_extrinsics(const CalibFolderOptions& options) {
@@ -115,8 +132,16 @@ void calib_check(const CalibFolderOptions& options) {
   const std::filesystem::path folder =
       options.live.on() ? calib_live_pictures(options, stored.calibration) : options.folder;
   const RigCheck check = value_or_fail(check_rig(folder, stored.calibration, search_of(options)));
-  std::printf("%s", check_text(check).c_str());
   const std::vector<std::string> lines = advice(check);
+  if (options.json) {
+    nlohmann::ordered_json json = check_json(check);
+    json["folder"] = folder.string();
+    json["calibration"] = options.calibration.string();
+    json["advice"] = lines;
+    say_json(json);
+  } else {
+    say_text(check_text(check));
+  }
   if (!lines.empty()) {
     throw Failure(Exit::kFailure, options.calibration.string() + ": " + lines.front());
   }

@@ -8,6 +8,7 @@
 #include "host/calibrate/rig/target/target_sheet.h"
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
+#include "host/cli/json_output.h"
 
 namespace stof::host {
 namespace {
@@ -182,6 +183,7 @@ void add_check(CLI::App& calib, CalibFolderOptions& options) {
   add_live(command, options.live, "anything with texture, from 1 to 4 m", false);
   command.add_option("--calibration", options.calibration, "The file to judge")->required();
   add_search(command, options.min_disparity, options.disparities, options.threads);
+  add_json_flag(command, options.json);
   command.callback([&options] { calib_check(options); });
 }
 

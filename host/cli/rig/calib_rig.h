@@ -62,6 +62,7 @@ struct CalibFolderOptions {  // extrinsics, check
   std::string board{};  // of extrinsics: views of it in place of walls
   int threads = 1;
   bool force = false;
+  bool json = false;  // check
 };
 
 struct CalibExchangeOptions {  // import, export

@@ -5,6 +5,7 @@
 
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
+#include "host/cli/json_output.h"
 #include "host/cli/live/reception.h"
 #include "host/cli/output.h"
 #include "host/cli/sensor/find_sensor.h"
@@ -64,11 +65,11 @@ void check(const CheckOptions& options) {
   const CheckFacts facts =
       is_recorded(options.sensor) ? check_file(options) : check_sensor(options);
   const std::vector<Check> checks = judge_checks(facts);
-  say_text(options.json
-               ? checks_json(options.sensor, checks)
-                         .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
-                     "\n"
-               : checks_text(checks));
+  if (options.json) {
+    say_json(checks_json(options.sensor, checks));
+  } else {
+    say_text(checks_text(checks));
+  }
   if (worst_of(checks) == Verdict::kFix) {
     const auto count = std::ranges::count(checks, Verdict::kFix, &Check::verdict);
     throw Failure(Exit::kFailure, options.sensor + ": " + std::to_string(count) + " of " +
@@ -152,12 +153,10 @@ void add_check(CLI::App& app, CheckOptions& options, const char* version) {
                "health.\n"
                "Ends with 0 (nothing has to be mended), 1 (something has, or the output cannot be "
                "written) or 2 (bad input).");
-  command.add_option("SENSOR", options.sensor, kSensorOrFile)->required();
+  add_reading_flags(command, options, options.json);
   command.add_option("--seconds", options.seconds, "How long it listens, from the first frame")
       ->check(CLI::Range(0.5, 3600.0))
       ->capture_default_str();
-  command.add_flag("--json", options.json, "A JSON object, and nothing else");
-  add_subscription_flags(command, options);
   command.callback([&options] { check(options); });
 }
 

@@ -6,6 +6,7 @@
 #include "firmware/wire/messages/conditions.h"
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
+#include "host/cli/json_output.h"
 #include "host/cli/live/reception.h"
 #include "host/cli/output.h"
 #include "host/cli/recording/reading_progress.h"
@@ -48,8 +49,13 @@ const char* reaction_name(wire::Reaction reaction) {
 }
 
 void print(const HealthOptions& options, const HealthState& state) {
-  say_text(options.json ? health_json(state).dump(options.seconds > 0 ? -1 : 2) + "\n"
-                        : health_text(state));
+  if (!options.json) {
+    say_text(health_text(state));
+  } else if (options.seconds > 0) {
+    say_json_line(health_json(state));
+  } else {
+    say_json(health_json(state));
+  }
 }
 
 void receive_health(const HealthOptions& options) {
@@ -172,15 +178,13 @@ void add_health(CLI::App& app, HealthOptions& options) {
   show_example(command, "stof health 192.168.1.20",
                "Ends with 0 (told, whatever it says: --json has reaction), 1 (no health came, the "
                "sensor fell silent, or the output cannot be written) or 2 (bad input).");
-  command.add_option("SENSOR", options.sensor, kSensorOrFile)->required();
+  add_reading_flags(command, options, options.json);
   command
       .add_option("--seconds", options.seconds,
                   "Go on for so long: each new health, events, and silence at once; 0: the first "
                   "alone. --json: one object a line")
       ->check(CLI::Range(0.0, 1e7))
       ->capture_default_str();
-  command.add_flag("--json", options.json, "A JSON object, and nothing else");
-  add_subscription_flags(command, options);
   command.callback([&options] { health(options); });
 }
 

@@ -5,6 +5,7 @@
 
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
+#include "host/cli/json_output.h"
 #include "host/cli/live/reception.h"
 #include "host/cli/output.h"
 #include "host/cli/recording/reading_progress.h"
@@ -23,6 +24,14 @@ double arrival_s(const client::Frame& frame) {
 std::uint64_t frames_between(std::uint32_t before, std::uint32_t after) {
   const std::uint32_t step = after - before;  // wraps as the numbers do
   return step > 0 && step < (1U << 31) ? step - 1 : 0;
+}
+
+void print(const StatsOptions& options, const StreamStats& stats) {
+  if (options.json) {
+    say_json(stats_json(stats));
+  } else {
+    say_text(stats_text(stats));
+  }
 }
 
 StreamStats receive_stats(const StatsOptions& options) {
@@ -52,7 +61,7 @@ StreamStats receive_stats(const StatsOptions& options) {
   if (reception.frames() == 0) {
     reception.fail();
   }
-  say_text(options.json ? stats_json(stats).dump(2) + "\n" : stats_text(stats));
+  print(options, stats);
   if (const std::string advice = reception.receiver().advice(); !advice.empty() && !options.json) {
     say(advice);
   }
@@ -67,8 +76,7 @@ void stats(const StatsOptions& options) {
     receive_stats(options);
     return;
   }
-  const StreamStats found = stats_of_file(options.sensor);
-  say_text(options.json ? stats_json(found).dump(2) + "\n" : stats_text(found));
+  print(options, stats_of_file(options.sensor));
 }
 
 }  // namespace
@@ -154,12 +162,10 @@ void add_stats(CLI::App& app, StatsOptions& options) {
   show_example(command, "stof stats 192.168.1.20 --seconds 10",
                "Ends with 0 (measured), 1 (no frame came, the sensor fell silent, or the output "
                "cannot be written) or 2 (bad input).");
-  command.add_option("SENSOR", options.sensor, kSensorOrFile)->required();
+  add_reading_flags(command, options, options.json);
   command.add_option("--seconds", options.seconds, "How long, from the first frame")
       ->check(CLI::Range(0.1, 86400.0))
       ->capture_default_str();
-  command.add_flag("--json", options.json, "A JSON object, and nothing else");
-  add_subscription_flags(command, options);
   command.callback([&options] { stats(options); });
 }
 

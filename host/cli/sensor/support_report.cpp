@@ -15,6 +15,7 @@
 #include "dataset/files/file.h"
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
+#include "host/cli/json_output.h"
 #include "host/cli/output.h"
 #include "host/cli/recording/info.h"
 #include "host/cli/recording/sensor_documents.h"
@@ -34,9 +35,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Files = std::map<std::string, std::string>;  // bytes by name
 
-std::string pretty(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+std::string pretty(const Json& json) { return json_text(json) + "\n"; }
 
 std::string computer_json(const std::string& version) {
   utsname system{};
@@ -265,15 +264,13 @@ void add_support_report(CLI::App& app, SupportReportOptions& options, const char
                "it.\n"
                "Ends with 0 (written, whatever it says), 1 (no frame came: it is written and says "
                "why; or it cannot be written) or 2 (bad input).");
-  command.add_option("SENSOR", options.sensor, kSensorOrFile)->required();
+  add_reading_flags(command, options, options.json);
   command.add_option("FILE", options.file, "The report, by custom NAME.tar")->required();
   command.add_option("--seconds", options.seconds, "How long it listens, from the first frame")
       ->check(CLI::Range(0.5, 3600.0))
       ->capture_default_str();
   command.add_flag("--no-pictures", options.no_pictures, "Nothing of what the sensor sees");
   command.add_flag("--force", options.force, "Replace FILE where it is there");
-  command.add_flag("--json", options.json, "A JSON object, and nothing else");
-  add_subscription_flags(command, options);
   command.callback([&options] { support_report(options); });
 }
 

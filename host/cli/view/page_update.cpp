@@ -183,7 +183,11 @@ void PageUpdate::run(const std::string& sensor, const std::filesystem::path& fil
                            });
                          },
                      .goes_on = [this] { return goes_on(); }});
-    step = end.confirmed ? "confirmed" : "left";
+    if (end.state == ReleaseState::kConfirmed) {
+      step = "confirmed";
+    } else if (end.state == ReleaseState::kReverted) {
+      step = "left";
+    }
     text = end.line;
   } catch (const std::exception& problem) {
     text = problem.what();

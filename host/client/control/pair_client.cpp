@@ -218,7 +218,7 @@ std::unexpected<ControlError> PairClient::refuse(PairResult why) const {
         case PairMethod::kCable:
           return error(Status::kUnsupported, "this line is a way for strangers: use another");
         case PairMethod::kKey:
-          return error(Status::kUnsupported, "has none of your keys any more: pair again");
+          return error(Status::kUnsupported, "has none of your keys: pair with it (stof pair)");
       }
       break;
     case PairResult::kBusy:

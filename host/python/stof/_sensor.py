@@ -163,7 +163,7 @@ class Sensor:
     def _cause(self) -> str:
         conditions = self.link().conditions
         if LinkCondition.NO_KEY in conditions:
-            return ": the sensor knows none of your keys: pair again (stof pair)"
+            return ": the sensor knows none of your keys: pair with it (stof pair)"
         if LinkCondition.FORGED in conditions:
             return ": what came is forged, or not signed and should be"
         if LinkCondition.DELAYED in conditions:

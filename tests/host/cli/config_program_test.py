@@ -238,7 +238,7 @@ class Config(unittest.TestCase):
         self.start()
         self.expect_told(f"{keys}: no key file, or damaged: no client's key is known")
         self.assertEqual(keys.read_text(), "damaged\n")
-        self.refuse(1, "has none of your keys any more", self.address, "set", "name=x", "--timeout", ANSWER_S)
+        self.refuse(1, "has none of your keys", self.address, "set", "name=x", "--timeout", ANSWER_S)
         self.assertEqual(self.ask("get", "name"), "stof\n")
         own.chmod(0o644)
         self.refuse(2, "others may read these keys", self.address, "get", "--timeout", ANSWER_S)

@@ -2,6 +2,7 @@
 """install_program_test.py COMMAND...: `stof calib install` (COMMAND: stof, with an emulator before it in a cross build) as a
 user would run it, against `stofd`: STOFD holds that command, its words separated by |."""
 
+import json
 import os
 import pathlib
 import pty
@@ -240,8 +241,9 @@ class Install(unittest.TestCase):
         self.start()
         self.assertIn("the calibration is the installed one", self.said())
         self.expect_in_force(self.other)
-        out = self.install("--factory", self.address)
-        self.assertIn(f"calibration {fingerprint(self.factory):08x} is in force, the factory's; it was {fingerprint(self.other):08x}", out)
+        told = json.loads(self.install("--factory", self.address, "--json"))
+        self.assertEqual((told["calibration"], told["former"], told["factory"], told["device_id"]),
+                         (f"{fingerprint(self.factory):08x}", f"{fingerprint(self.other):08x}", True, 1))
         self.expect_in_force(self.factory)
         self.assertFalse(self.kept.exists())
         self.assertEqual((self.folder / "factory.cal").read_bytes(), self.factory)

@@ -2,6 +2,7 @@
 """proxy_test.py -- COMMAND...: `stof proxy` (COMMAND is `stof`, with an emulator before it in a cross build) between
 two sockets, and what it refuses."""
 
+import json
 import pathlib
 import re
 import signal
@@ -91,6 +92,13 @@ class Proxy(unittest.TestCase):
         self.assertEqual(sent - lost + twice, out)
         self.assertTrue(60 < lost < 140 and 20 < twice < 80, up)
         self.assertNotEqual(numbers, sorted(numbers))
+
+    def test_json_is_an_object_a_line(self):
+        process, port = self.start("--json")
+        self.client.sendto(b"up", ("127.0.0.1", port))
+        self.assertEqual(len(received(self.sensor, 1)), 1)
+        last = [json.loads(line) for line in self.stop(process).splitlines()][-1]
+        self.assertEqual((last["port"], last["clients"], last["up"]["in"], last["up"]["out"], last["down"]["in"]), (port, 1, 1, 1, 0))
 
     def test_bad_input_is_refused_in_one_line(self):
         taken = self.sensor.getsockname()[1]

@@ -2,6 +2,7 @@
 """update_program_test.py COMMAND...: `stof update` (COMMAND: stof) as a user would run it, against scripts/emulated_board, whose
 slots start `stofd`: STOFD holds that command, its words separated by |. STOF_LONG=1: also what takes half a minute."""
 
+import json
 import os
 import pathlib
 import random
@@ -105,11 +106,17 @@ class Update(unittest.TestCase):
         self.update(2, "is for board rpi4", self.address, self.release("rpi4.update", "--board", "rpi4"))
         self.assertEqual(self.starts(), ["board: starts slot a"])
         crash = self.release("crash.update", program="#!/bin/sh\nexit 1\n")
-        self.update(1, "went back to the former release", self.address, crash)
+        ended = self.run_stof("update", self.address, crash, "--json")
+        self.assertEqual((ended.returncode, json.loads(ended.stdout)["state"]), (1, "reverted"), ended.stderr + self.said())
+        self.assertIn("went back to the former release", ended.stderr)
         self.assertEqual(self.starts(), ["board: starts slot a", "board: starts slot b, once", "board: starts slot a"])
         # Whoever is on trial takes no other release, and a reset is the end of the trial.
         good = self.release("good.update", "--version", "2.0")
-        self.update(0, "restarts with it on trial", "--no-wait", self.address, good)
+        ended = self.run_stof("update", "--no-wait", self.address, good, "--json")
+        self.assertEqual((ended.returncode, ended.stderr), (0, ""), self.said())
+        told = json.loads(ended.stdout)
+        self.assertEqual((told["device_id"], told["state"]), (1, "on_trial"))
+        self.assertRegex(told["release"] + told["former"], "^[0-9a-f]{16}$")
         self.until("no trial", lambda: "release 2.0 in slot b on trial" in self.said() and self.said().count("publishing") >= 3)
         self.update(1, "is on trial", self.address, good)
 

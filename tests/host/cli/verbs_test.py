@@ -44,6 +44,8 @@ class Verb:
     file: tuple[str, ...] = ()
 
 
+# Who has no --json. Of those that this build has not, nobody can tell.
+TALKERS = {"view", "bridge ros2", "completion", "calib stereo", "calib extrinsics", "calib import", "calib export", "calib target", "evaluate chapter"}
 WAIT = "--timeout 0.4"
 LONG = "--timeout 60"  # of what has to come
 VERBS = {
@@ -108,6 +110,15 @@ class Program(unittest.TestCase):
         for fact in facts:
             self.assertIn(fact, ended.stderr)
 
+    def nothing_but_json(self, ended):
+        """Who does nothing prints nothing; else each line is a document, or all of them are one."""
+        if ended.stdout:
+            try:
+                json.loads(ended.stdout)
+            except ValueError:
+                for line in ended.stdout.splitlines():
+                    json.loads(line)
+
     def words_of(self, name, **places):
         return [*name.split(), *VERBS[name].words.format(**{"s": "127.0.0.1:9", **places}).split()]
 
@@ -143,6 +154,33 @@ class Words(Program):
                     for example in examples:
                         for flag in re.findall(r" (--[\w-]+)", example.partition("and beside it")[0]):
                             self.assertRegex(text, rf"(?m)^  (?:-\w,)?{flag}\b")
+
+    def test_every_command_but_those_that_are_listed_has_json(self):
+        without = {name for name, text in self.helps.items() if not re.search(r"(?m)^  --json\b", text) and "Not in this build" not in text}
+        absent = {name for name, text in self.helps.items() if "Not in this build" in text}
+        self.assertEqual(without, TALKERS - absent)
+
+    def test_bad_input_leaves_no_broken_json(self):
+        for name, text in self.helps.items():
+            if VERBS[name].lost is None and name not in TALKERS and "Not in this build" not in text:
+                words = [*self.words_of(name), "--json"]
+                words = ["127.0.0.1:port" if name == "proxy" and word == "127.0.0.1:9" else word for word in words]
+                with self.subTest(name):
+                    if name == "discover":
+                        words = ["discover", "--address", ":", "--json"]
+                    ended = self.stof(*words)
+                    self.assertEqual((ended.returncode, ended.stdout), (1 if name == "fault" else 2, ""), ended.stderr)
+
+    def test_json_of_a_new_key_parses(self):
+        made = self.stof("pair", "--into", "sensor.keys", "--keys", "user.keys", "--role", "tune", "--name", "me", "--json")
+        self.assertEqual((made.returncode, made.stderr), (0, ""))
+        key = json.loads(made.stdout)
+        self.assertRegex(key["key"], "^[0-9a-f]{8}$")
+        self.assertEqual((key["device_id"], key["role"], key["name"], key["file"], key["into"]), (1, "tune", "me", "user.keys", "sensor.keys"))
+        again = json.loads(self.stof("pair", "--into", "sensor.keys", "--keys", "user.keys", "--role", "tune", "--json").stdout)
+        self.assertEqual((again["key"], again["into"]), (None, "sensor.keys"))
+        gone = self.stof("unpair", "--forget", "--device", "1", "--keys", "user.keys", "--json")
+        self.assertEqual((gone.returncode, json.loads(gone.stdout)), (0, {"forgotten": 1, "device_id": 1, "file": "user.keys"}))
 
     def test_an_unknown_flag_is_refused_in_one_line_also_with_help_behind_it(self):
         for name, text in self.helps.items():
@@ -248,7 +286,10 @@ class Sensors(Program):
             for name, verb in VERBS.items():
                 if verb.lost is not None:
                     with self.subTest(name):
-                        self.refused(self.stof(*self.words_of(name, s=place)), verb.lost, place)
+                        ended = self.stof(*self.words_of(name, s=place), *([] if name in TALKERS else ["--json"]))
+                        self.refused(ended, verb.lost, place)
+                        if name not in TALKERS:
+                            self.nothing_but_json(ended)
         self.assertEqual([left.name for left in self.folder.glob("new*")], ["new.tar"])  # a report says why nobody is there
 
     def test_json_of_a_sensor_parses(self):

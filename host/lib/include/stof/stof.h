@@ -428,7 +428,7 @@ STOF_API const char* stof_health_name(unsigned health);
 #define STOF_LINK_FORGED 4U
 /* In the last 2 s frames came later than others before by more than max_age_ms: not delivered. */
 #define STOF_LINK_DELAYED 8U
-/* Of signed streams: whoever answers says that the sensor knows none of your keys: pair again. */
+/* Of signed streams: whoever answers says that the sensor knows none of your keys: pair with it. */
 #define STOF_LINK_NO_KEY 16U
 
 typedef struct stof_link {
