@@ -78,8 +78,8 @@ void wait_for_verdict(UploadWay& way, std::uint32_t former, std::uint32_t tried,
     } else if (state->state == UploadState::kSettled && seen && state->fingerprint == tried) {
       std::printf("%s: release %08x is confirmed; it was %08x\n", way.who().c_str(), tried, former);
       return;
-    } else if (state->state == UploadState::kSettled && state->fingerprint == former &&
-               tried != former) {
+    } else if (state->fingerprint == former && tried != former &&
+               (state->state == UploadState::kSettled || state->state == UploadState::kLeft)) {
       throw Failure(Exit::kFailure, way.who() +
                                         ": went back to the former release: the new one did not "
                                         "publish for 30 s what was published before");
