@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "dsp/base/status.h"
+#include "firmware/events/event_values.h"
 #include "firmware/spsc_ring.h"
 #include "firmware/wire/messages/enums.h"
 #include "hal/time.h"
@@ -40,13 +41,9 @@ enum class EventKind : std::uint8_t {
   kKeyEnded,            // the same
   kLastKeyEnded,        // the same: the sensor is unpaired
   kCalibrationChanged,  // value: fingerprint of the new one; former: of the one before; address
+  kStandby,             // value: 1: it begins, 0: it has ended
+  kRelease,             // value: kRelease..., below; former: fingerprint of the release
 };
-
-// Of pairing at the sensor: kPairingTold and above: that and the six digits.
-inline constexpr std::uint32_t kPairingClosed = 0;
-inline constexpr std::uint32_t kPairingOpen = 1;
-inline constexpr std::uint32_t kPairingDone = 2;  // a key came of it
-inline constexpr std::uint32_t kPairingTold = 1'000'000;
 
 struct Event {
   hal::Time at{};

@@ -102,6 +102,9 @@ void HealthMonitor::observe(const Event& event) noexcept {
       begin(wire::Condition::kCalibrationChanged, event.value, event.at);
       entries_[index_of(wire::Condition::kCalibrationChanged)].former = event.former;
       break;
+    case EventKind::kRelease:
+      observe_release(event);
+      break;
     case EventKind::kPairing:
       if (event.value == kPairingClosed || event.value == kPairingDone) {
         set(wire::Condition::kPairing, false, 0, event.at);
@@ -110,6 +113,7 @@ void HealthMonitor::observe(const Event& event) noexcept {
       }
       break;
     case EventKind::kStandsOn:  // what is missing is a condition of its own
+    case EventKind::kStandby:   // asked for, and nobody receives
       break;
     case EventKind::kSendFailed:
     case EventKind::kSending:
@@ -120,6 +124,18 @@ void HealthMonitor::observe(const Event& event) noexcept {
       set(wire::Condition::kLate, event.kind == EventKind::kLate, event.value, event.at);
       break;
   }
+}
+
+// It ends with a value, and where the start before began it, it ends without having begun.
+void HealthMonitor::observe_release(const Event& event) noexcept {
+  Entry& entry = entries_[index_of(wire::Condition::kReleaseOnTrial)];
+  change(entry, event.value == kReleaseOnTrial, event.value, event.at);
+  entry.former = event.former;
+}
+
+void HealthMonitor::tell_release_again() noexcept {
+  Entry& entry = entries_[index_of(wire::Condition::kReleaseOnTrial)];
+  entry.again = entry.again || (entry.value != kNoRelease && !entry.changed);
 }
 
 void HealthMonitor::observe_supply(const Event& event) noexcept {

@@ -29,6 +29,9 @@ struct ControlStatus {
   bool settings_fell_back = false;
   bool restart_needed = false;
   std::uint32_t pairing = 0;  // kPairing... of events.h
+  std::uint32_t release = 0;  // kRelease... of events.h
+  std::uint32_t release_fingerprint = 0;
+  bool keep_awake = false;  // frames shall prove something: no standby
   bool unpaired = false;
   bool keys_lost = false;
 };
@@ -59,6 +62,9 @@ class HealthMonitor {
     sums_.of_pair += pixels;
     sums_.matched += matched;
   }
+  // Somebody is new who may not have heard what came of the newest trial: that event is sent once
+  // more.
+  void tell_release_again() noexcept;
   // What of the settings makes the sensor blind: Blindness, the sum.
   void note_blinding(std::uint32_t by_settings, hal::Time now) noexcept;
 
@@ -109,6 +115,7 @@ class HealthMonitor {
   void judge_matches(hal::Time now) noexcept;
   // Begins and ends the conditions of a camera that is there.
   void observe_supply(const Event& event) noexcept;
+  void observe_release(const Event& event) noexcept;
   wire::EventReport report(std::size_t condition) const noexcept;
   void set_recent(wire::Condition condition, hal::Time now) noexcept;
   void judge_second(const Counters& counters, const ControlStatus& control, hal::Time now) noexcept;

@@ -157,6 +157,18 @@ void write_pairing(std::uint32_t state, settings::PagedWriter& out) noexcept {
   out << ". Type them into stof pair; only if it accepts them hold the button for three seconds";
 }
 
+void write_release(const Event& event, settings::PagedWriter& out) noexcept {
+  out << "release ";
+  write_hexadecimal(event.former, 8, out);
+  if (event.value == kReleaseOnTrial) {
+    out << " is on trial";
+  } else if (event.value == kReleaseConfirmed) {
+    out << " is confirmed: each start takes it";
+  } else {
+    out << " was not confirmed: each start takes the former one";
+  }
+}
+
 // " (3 repeated, 1 torn)", or nothing.
 std::string causes(const std::array<std::uint64_t, kDrops>& dropped) {
   std::string text;
@@ -220,6 +232,13 @@ void describe(const Event& event, settings::PagedWriter& out) noexcept {
     case EventKind::kSettingsChanged:
     case EventKind::kCalibrationChanged:
       write_change(event, out);
+      return;
+    case EventKind::kStandby:
+      out << (event.value != 0 ? "standby: nobody receives; whoever subscribes ends it"
+                               : "standby has ended");
+      return;
+    case EventKind::kRelease:
+      write_release(event, out);
       return;
     case EventKind::kPairing:
       write_pairing(event.value, out);

@@ -1,5 +1,6 @@
 #include "firmware/loop/loop.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "firmware/wire/frame/raw_packets.h"
@@ -99,6 +100,24 @@ void Loop::restart(const board::TimingConfig& timing) noexcept {
   collector_.forget_pmd();
   last_edge_.reset();
 }
+
+void Loop::rest_part() noexcept {
+  publisher_.give_back_raw();
+  held_.reset();
+  pipeline_.forget_match();
+  collector_.forget_pmd();
+  last_edge_.reset();
+  publisher_.wait_until(board_.clock.now() + kWaitPart);
+}
+
+bool Loop::has_trouble() const noexcept {
+  return conditions_.lost(Component::kTrigger) || conditions_.lost(Component::kStereo) ||
+         conditions_.lost(Component::kPmd) || conditions_.repeats(Component::kStereo) ||
+         conditions_.repeats(Component::kPmd);
+}
+
+// What frames cost is as it was: the first one need not wait for its turn.
+void Loop::wake() noexcept { schedule_.follow(std::max(schedule_.next(), board_.clock.now())); }
 
 // Edges of a recording are due when they were.
 void Loop::follow_replay() noexcept {

@@ -43,6 +43,14 @@ class Loop {
   // kOk: whether or not there was a frame. kDeviceLost: a device is lost.
   Status step() noexcept;
 
+  // Standby: in place of wait_part() and step(), again and again. Waits for kWaitPart; no edge goes
+  // out. What was not published is left out, and nothing of before counts for the next frame.
+  void rest_part() noexcept;
+  // A device is lost or repeats itself: only edges tell when it is well again.
+  bool has_trouble() const noexcept;
+  // After rest_part(): the next edge is due at once, or a period after the last one.
+  void wake() noexcept;
+
   // No frame is published beyond so many since the start; 0: there is no end.
   void end_after(std::uint64_t frames) noexcept { most_frames_ = frames; }
 

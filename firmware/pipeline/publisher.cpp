@@ -105,6 +105,7 @@ bool Publisher::set_receivers(const ReceiverList& receivers) noexcept {
                             .tagger = wire::StreamTagger(receivers.keys[i])};
       calibration_due_.reset();
       health_wanted_ = true;
+      health_.tell_release_again();
     }
     ways_[i] = *ways[i];
   }

@@ -101,11 +101,29 @@ void Appliance::note_changes(const ControlStatus& control) noexcept {
   if (before != pairing_ && !told) {
     note({.kind = EventKind::kPairing, .value = pairing_});
   }
+  if (std::exchange(release_, control.release) != release_ && release_ != kNoRelease) {
+    note({.kind = EventKind::kRelease, .value = release_, .former = control.release_fingerprint});
+  }
+}
+
+void Appliance::update_standby(const ControlStatus& control, hal::Time now) noexcept {
+  const bool serial = serial_ && run_config_.serial.mode != settings::SerialMode::kOff;
+  const bool needed = receiving_ || serial || control.keep_awake || loop_->has_trouble();
+  const bool before = standby_.active();
+  if (standby_.update(run_config_.standby && parts_.board.replay == nullptr, needed, now) ==
+      before) {
+    return;
+  }
+  if (before) {
+    loop_->wake();
+  }
+  note({.kind = EventKind::kStandby, .value = before ? 0U : 1U});
 }
 
 Status Appliance::step(const ControlStatus& control) noexcept {
   while (const std::optional<ReceiverList> receivers = parts_.receivers.pop()) {
     anew_wanted_ = publisher_.set_receivers(*receivers) || anew_wanted_;
+    receiving_ = receivers->count > 0;
   }
   std::optional<RunConfig> newest;
   while (const std::optional<RunConfig> run_config = parts_.run_configs.pop()) {
@@ -121,7 +139,13 @@ Status Appliance::step(const ControlStatus& control) noexcept {
     begin_anew();
   }
   note_changes(control);
-  const Status status = loop_->wait_part() ? loop_->step() : Status::kOk;
+  update_standby(control, now);
+  Status status = Status::kOk;
+  if (standby_.active()) {
+    loop_->rest_part();
+  } else if (loop_->wait_part()) {
+    status = loop_->step();
+  }
   publisher_.report(control);
   if (serial_) {
     serial_->sender.tick(parts_.board.clock.now(), publisher_.health().summary());

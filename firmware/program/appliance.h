@@ -11,6 +11,7 @@
 #include "firmware/control/receiver_list.h"
 #include "firmware/events/events.h"
 #include "firmware/loop/loop.h"
+#include "firmware/loop/standby.h"
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/pipeline/publisher.h"
 #include "firmware/program/run_config.h"
@@ -52,7 +53,7 @@ class Appliance {
   Appliance& operator=(const Appliance&) = delete;
 
   // New receivers and settings, then a period, Loop::step(), or, where the next edge is far, a part
-  // of the wait for it; health and events.
+  // of the wait for it; in standby a part of that. Health and events.
   Status step(const ControlStatus& control) noexcept;
 
   // As Loop::end_after().
@@ -66,6 +67,7 @@ class Appliance {
   const Publisher& publisher() const noexcept { return publisher_; }
   // RunConfig::installs of the configuration that frames are made with.
   std::uint32_t installs() const noexcept { return run_config_.installs; }
+  bool in_standby() const noexcept { return standby_.active(); }
   SerialSender::Counters serial() const noexcept {
     return serial_ ? serial_->sender.counters() : SerialSender::Counters{};
   }
@@ -94,6 +96,7 @@ class Appliance {
 
   void note(Event event) noexcept;
   void note_changes(const ControlStatus& control) noexcept;
+  void update_standby(const ControlStatus& control, hal::Time now) noexcept;
   void build(const RunConfig& run_config) noexcept;
 
   Parts parts_;
@@ -105,6 +108,9 @@ class Appliance {
   std::optional<Pipeline> pipeline_;
   std::optional<Loop> loop_;
   std::uint32_t pairing_ = kPairingClosed;
+  std::uint32_t release_ = kNoRelease;
+  Standby standby_;
+  bool receiving_ = false;               // there are receivers
   bool anew_wanted_ = false;             // a receiver of raw pictures asked for it
   std::optional<hal::Time> begun_anew_;  // for the last time because of that
 };

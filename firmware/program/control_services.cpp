@@ -15,6 +15,12 @@ std::uint32_t dropped_value(const settings::StartSettings& start) noexcept {
          (start.strictest ? kStrictest : 0);
 }
 
+using Trial = update::TrialOutcome::What;
+static_assert(static_cast<std::uint32_t>(Trial::kNone) == kNoRelease &&
+              static_cast<std::uint32_t>(Trial::kRuns) == kReleaseOnTrial &&
+              static_cast<std::uint32_t>(Trial::kConfirmed) == kReleaseConfirmed &&
+              static_cast<std::uint32_t>(Trial::kLeft) == kReleaseLeft);
+
 }  // namespace
 
 void put_text(std::string_view text, std::span<char> to) noexcept {
@@ -92,6 +98,9 @@ wire::Announce ControlServices::make_announce() const noexcept {
   announce.subscribers = static_cast<std::uint8_t>(subscribers_.count());
   announce.most_subscribers = kMostSubscribers;
   announce.rate_millihertz = parts_.loop_status.rate_millihertz.load(std::memory_order_relaxed);
+  announce.state = static_cast<std::uint8_t>(
+      parts_.loop_status.standby.load(std::memory_order_relaxed) ? wire::SensorState::kStandby
+                                                                 : wire::SensorState::kMeasuring);
   return announce;
 }
 
@@ -108,6 +117,13 @@ void ControlServices::publish_status() noexcept {
   const std::uint32_t open = parts_.pairing.is_open() ? kPairingOpen : over;
   const std::optional<std::uint32_t> digits = parts_.pairing.digits();
   published_.pairing.store(digits ? kPairingTold + *digits : open, std::memory_order_relaxed);
+  // New settings and a new release are proven by frames.
+  const bool proving = parts_.trial != nullptr && !parts_.trial->proven() &&
+                       settings_server_.saved_in_force() != nullptr;
+  published_.keep_awake.store(proving || parts_.updater.trial_runs(), std::memory_order_relaxed);
+  const update::TrialOutcome& trial = parts_.updater.outcome();
+  published_.release_fingerprint.store(trial.release, std::memory_order_relaxed);
+  published_.release.store(static_cast<std::uint32_t>(trial.what), std::memory_order_release);
   published_.revision.store(settings_server_.revision(), std::memory_order_release);
   published_.subscribers.store(static_cast<std::uint8_t>(subscribers_.count()),
                                std::memory_order_relaxed);
@@ -145,7 +161,8 @@ void ControlServices::watch_update(hal::Time now) noexcept {
                       {.rounds = loop.rounds.load(std::memory_order_relaxed),
                        .frames = loop.published.load(std::memory_order_relaxed),
                        .with_pair = loop.with_pair.load(std::memory_order_relaxed),
-                       .with_pmd = loop.with_pmd.load(std::memory_order_relaxed)},
+                       .with_pmd = loop.with_pmd.load(std::memory_order_relaxed),
+                       .standby = loop.standby.load(std::memory_order_relaxed)},
                       period_ms == 0 ? board::kConfig.timing.period
                                      : hal::Duration(std::chrono::milliseconds(period_ms)));
   if (const update::Restart wish = parts_.updater.restart(now); wish != update::Restart::kNone) {
@@ -161,7 +178,9 @@ void ControlServices::tick(hal::Time now) noexcept {
   publish_status();
   if (parts_.trial != nullptr) {
     parts_.trial->tick(now, parts_.loop_status.published.load(std::memory_order_relaxed),
-                       settings_server_.saved_in_force());
+                       parts_.loop_status.standby.load(std::memory_order_relaxed)
+                           ? nullptr
+                           : settings_server_.saved_in_force());
   }
   const settings::Settings& active = settings_server_.active();
   const wire::Announce announce = update_announce(now);
@@ -257,6 +276,9 @@ ControlStatus ControlServices::status(const SerialSender::Counters& made) const 
   status.unpaired = paired == keys::Pairing::kUnpaired;
   status.keys_lost = paired == keys::Pairing::kLost;
   status.pairing = published_.pairing.load(std::memory_order_relaxed);
+  status.keep_awake = published_.keep_awake.load(std::memory_order_relaxed);
+  status.release = published_.release.load(std::memory_order_acquire);
+  status.release_fingerprint = published_.release_fingerprint.load(std::memory_order_relaxed);
   if (serial_) {
     const SerialLink::Counters line = serial_->counters();
     status.serial_sent = line.sent;

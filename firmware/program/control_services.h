@@ -41,6 +41,7 @@ struct LoopStatus {
   std::atomic<std::uint64_t> with_pair = 0;  // of these, as Counters
   std::atomic<std::uint64_t> with_pmd = 0;
   std::atomic<std::uint64_t> rounds = 0;
+  std::atomic<bool> standby = false;
   std::atomic<std::uint32_t> installs = 0;  // RunConfig::installs that they are made with
   static_assert(std::atomic<wire::Health>::is_always_lock_free);
 };
@@ -128,6 +129,9 @@ class ControlServices final : public settings::Limits,
     std::atomic<std::uint32_t> calibration_dropped = 0;
     std::atomic<keys::Pairing> paired = keys::Pairing::kUnpaired;
     std::atomic<std::uint32_t> pairing = kPairingClosed;
+    std::atomic<std::uint32_t> release = kNoRelease;
+    std::atomic<std::uint32_t> release_fingerprint = 0;
+    std::atomic<bool> keep_awake = false;
   } published_;
 
   std::optional<ControlThread> thread_;

@@ -172,6 +172,7 @@ void note_round(const Appliance& appliance) {
   loop_status.with_pair.store(events.counters.with_pair, std::memory_order_relaxed);
   loop_status.with_pmd.store(events.counters.with_pmd, std::memory_order_relaxed);
   loop_status.rounds.fetch_add(1, std::memory_order_relaxed);
+  loop_status.standby.store(appliance.in_standby(), std::memory_order_relaxed);
   loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
 }
 

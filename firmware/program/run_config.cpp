@@ -266,7 +266,8 @@ std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
                     .blinding = blinding(settings)},
       .serial = serial_params(settings),
       .calibration = {},
-      .installs = rig.installs};
+      .installs = rig.installs,
+      .standby = settings.standby};
   if (settings.period_ms > 0) {
     run_config.timing.period = std::chrono::milliseconds(settings.period_ms);
   }

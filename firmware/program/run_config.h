@@ -62,6 +62,7 @@ struct RunConfig {
   SerialParams serial;
   wire::CalibrationPacket calibration{};  // as receivers get it
   std::uint32_t installs = 0;             // RigInfo::installs
+  bool standby = false;                   // no edges while nobody receives
   std::size_t image_bytes = 0;            // of memory that the pipeline of this setup takes
 };
 

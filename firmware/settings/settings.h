@@ -125,6 +125,7 @@ inline constexpr int kMostPeriodMs = 60'000;
 struct Settings {
   Text<kNameBytes + 1> name{"stof"};
   int period_ms = 0;  // 0: the board's
+  bool standby = false;
   DepthSettings depth;
   wire::StreamChoice streams{
       .coding = {wire::Coding::kQuantised, wire::Coding::kQuantised, wire::Coding::kRvl}};

@@ -24,6 +24,7 @@ class SettingsTrial {
   // nullptr: it runs with others, or some of them wait for the next start: nothing is proven
   // meanwhile.
   void tick(hal::Time now, std::uint64_t published, const Settings* in_force) noexcept;
+  bool proven() const noexcept { return proven_; }
   // The sensor ends as somebody asked: where it has published anything, that was no failed start.
   void end(std::uint64_t published) noexcept;
 

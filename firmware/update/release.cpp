@@ -16,6 +16,7 @@ static_assert(kSignedBytes + sizeof(wire::Signature) == kReleaseBytes);
 // Of a record, its second sector.
 constexpr std::size_t kBeforeAt = 512;
 constexpr std::string_view kBeforeMagic{"STOFWAS\0", 8};
+constexpr std::size_t kBeforeBytes = 24;
 
 bool begins_with(std::span<const std::byte> bytes, std::string_view text) noexcept {
   return std::ranges::equal(bytes.first(text.size()), std::as_bytes(std::span(text)));
@@ -67,21 +68,26 @@ Record read_record(const RecordBytes& bytes) noexcept {
   Record record;
   std::ranges::copy(std::span(bytes).first<kReleaseBytes>(), record.bytes.begin());
   record.release = read_release(record.bytes);
-  const auto before = std::span(bytes).subspan<kBeforeAt, 16>();
+  const auto before = std::span(bytes).subspan<kBeforeAt, kBeforeBytes>();
   if (begins_with(before, kBeforeMagic) &&
-      wire::crc32c(before.first<12>()) == wire::get_u32(before.last<4>())) {
+      wire::crc32c(before.first<12>()) == wire::get_u32(before.subspan<12, 4>())) {
     record.before = static_cast<Shown>(wire::get_u32(before.subspan<8, 4>()) & kAllShown);
+    if (wire::crc32c(before.first<20>()) == wire::get_u32(before.subspan<20, 4>())) {
+      record.trial = wire::get_u32(before.subspan<16, 4>());
+    }
   }
   return record;
 }
 
-RecordBytes write_record(const ReleaseBytes& release, Shown before) noexcept {
+RecordBytes write_record(const ReleaseBytes& release, Shown before, std::uint32_t trial) noexcept {
   RecordBytes bytes{};
   std::ranges::copy(release, bytes.begin());
-  const auto second = std::span(bytes).subspan<kBeforeAt, 16>();
+  const auto second = std::span(bytes).subspan<kBeforeAt, kBeforeBytes>();
   std::ranges::copy(std::as_bytes(std::span(kBeforeMagic)), second.begin());
   wire::put_u32(second.subspan<8, 4>(), before);
-  wire::put_u32(second.last<4>(), wire::crc32c(second.first<12>()));
+  wire::put_u32(second.subspan<12, 4>(), wire::crc32c(second.first<12>()));
+  wire::put_u32(second.subspan<16, 4>(), trial);
+  wire::put_u32(second.subspan<20, 4>(), wire::crc32c(second.first<20>()));
   return bytes;
 }
 

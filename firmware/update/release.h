@@ -56,10 +56,13 @@ struct Record {
   std::optional<Release> release;  // none: nothing, or a part of something, is in the slot
   // What the sensor published before it restarted with this slot; none: nobody told.
   std::optional<Shown> before;
+  std::uint32_t trial = 0;  // its number on this card; 0: as the card was written
 };
 
 using RecordBytes = std::array<std::byte, kWrittenBytes>;
 Record read_record(const RecordBytes& bytes) noexcept;
-RecordBytes write_record(const ReleaseBytes& release, Shown before) noexcept;
+// trial: one more than the running release's. Of two slots the one that runs without a trial was
+// confirmed: where the other one has a higher number, that one was tried and left.
+RecordBytes write_record(const ReleaseBytes& release, Shown before, std::uint32_t trial) noexcept;
 
 }  // namespace stof::update

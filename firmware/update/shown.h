@@ -13,6 +13,7 @@ struct Published {
   std::uint64_t frames = 0;
   std::uint64_t with_pair = 0;  // frames that stand on the pair
   std::uint64_t with_pmd = 0;   // frames that stand on the PMD camera
+  bool standby = false;         // there are none now, as the settings want
 };
 inline constexpr std::size_t kKinds = 4;
 

@@ -44,6 +44,9 @@ Updater::Updater(const UpdaterSetup& setup) : setup_(setup) {
   other_ = beside.release ? fingerprint_of(beside.bytes) : 0;
   if (sector_ && on_trial(sector_->choice(), setup_.running)) {
     trial_.emplace(running_.before.value_or(kRoundsAlone | 2U));
+    outcome_ = {.what = TrialOutcome::What::kRuns, .release = fingerprint_of(running_.bytes)};
+  } else if (other_ != 0 && beside.trial > running_.trial) {
+    outcome_ = {.what = TrialOutcome::What::kLeft, .release = other_};
   }
 }
 
@@ -74,6 +77,8 @@ upload::Versions Updater::versions() const noexcept {
     versions.state = wire::UploadState::kRestarting;
   } else if (trial_) {
     versions.state = wire::UploadState::kOnTrial;
+  } else if (outcome_.what == TrialOutcome::What::kLeft) {
+    versions.state = wire::UploadState::kLeft;
   }
   return versions;
 }
@@ -191,6 +196,9 @@ Updater::Result Updater::finish_place(PagedWriter& why) noexcept {
       place_ = Place::kChunks;
       writer_->begin(other(setup_.running));
       other_ = 0;
+      if (outcome_.what == TrialOutcome::What::kLeft) {
+        outcome_ = {};
+      }
       static_cast<void>(writer_->pump());
       return Result::kOk;
     }
@@ -288,7 +296,7 @@ Updater::Result Updater::commit(const firmware::Requester& /*by*/, PagedWriter& 
 
 Updater::Result Updater::keep(const ReleaseBytes& release, PagedWriter& why) noexcept {
   if (keeping_ == Keeping::kNot) {
-    record_ = write_record(release, shown_);
+    record_ = write_record(release, shown_, running_.trial + 1);
     other_ = fingerprint_of(release);
     keeping_ = Keeping::kChoice;
   }
@@ -357,14 +365,18 @@ void Updater::judge_trial(Trial::Verdict verdict) noexcept {
                             : Status::kTimeout;
   if (status == Status::kOk) {
     trial_.reset();
+    outcome_.what = TrialOutcome::What::kConfirmed;
   } else if (status != Status::kTimeout || verdict == Trial::Verdict::kLeft) {
     wish_ = Restart::kUsual;  // a card that takes nothing has the former release still
+    outcome_.what = TrialOutcome::What::kLeft;
   }
 }
 
 void Updater::tick(hal::Time now, const Published& published, hal::Duration period) noexcept {
   lately_.note(now, published);
-  shown_ = lately_.within(now, before_of(period));
+  if (!published.standby) {  // else what it published before that
+    shown_ = lately_.within(now, before_of(period));
+  }
   if (trial_) {
     judge_trial(trial_->tick(now, published, period));
   } else if (keeping_ != Keeping::kNot) {

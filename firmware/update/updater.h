@@ -32,6 +32,16 @@ struct UpdaterSetup {
 // Which start the board shall make.
 enum class Restart : std::uint8_t { kNone, kUsual, kTrial };
 
+// What came of the newest trial.
+struct TrialOutcome {
+  enum class What : std::uint8_t { kNone, kRuns, kConfirmed, kLeft };
+
+  What what = What::kNone;
+  std::uint32_t release = 0;  // its fingerprint
+
+  friend bool operator==(const TrialOutcome&, const TrialOutcome&) = default;
+};
+
 // Takes signed releases into the slot that does not run, and judges the running one while it is on
 // trial. The head of a file is judged before anything is written, and each chunk before it is
 // written. Nothing of the running slot is ever written. For the control thread alone; all memory
@@ -63,6 +73,8 @@ class Updater final : public upload::Target {
   // What the board shall do now; stays.
   Restart restart(hal::Time now) const noexcept;
   bool trial_runs() const noexcept { return trial_.has_value(); }
+  // Of this start; of the one before where that left its release.
+  const TrialOutcome& outcome() const noexcept { return outcome_; }
   // Of the running slot; empty: nobody knows.
   std::string_view version() const noexcept;
 
@@ -91,6 +103,7 @@ class Updater final : public upload::Target {
   Record running_;
   std::uint32_t other_ = 0;  // fingerprint of the release in the other slot
   std::optional<Trial> trial_;
+  TrialOutcome outcome_;
   ShownLately lately_;
   Shown shown_ = 0;
 

@@ -39,7 +39,7 @@ std::vector<std::string> methods_of(const client::FoundSensor& sensor) {
 std::string discover_line(const client::FoundSensor& sensor) {
   std::string line = sensor.serial + " '" + sensor.name + "' at " + sensor.endpoint() + ": " +
                      sensor.board + ", version " + sensor.version + ", health " +
-                     health_name(sensor.health);
+                     health_name(sensor.health) + (sensor.standby ? ", standby" : "");
   if (sensor.rate_millihertz) {
     line += printed(", %.1f Hz, %u of %u subscribers",
                     static_cast<double>(*sensor.rate_millihertz) / 1000, sensor.subscribers,
@@ -62,6 +62,7 @@ std::string discover_json(const std::vector<client::FoundSensor>& sensors) {
         {"board", sensor.board},         {"health", health_name(sensor.health)},
         {"found_by", methods_of(sensor)}};
     if (sensor.rate_millihertz) {
+      entry["standby"] = sensor.standby;
       entry["rate_hz"] = static_cast<double>(*sensor.rate_millihertz) / 1000;
       entry["subscribers"] = sensor.subscribers;
       entry["most_subscribers"] = sensor.most_subscribers;

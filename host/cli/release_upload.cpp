@@ -55,8 +55,8 @@ ReleaseEnd await_verdict(UploadWay& way, std::uint32_t former, std::uint32_t tri
     } else if (state->state == UploadState::kSettled && seen && state->fingerprint == tried) {
       return ended(ReleaseState::kConfirmed,
                    printed("release %08x is confirmed; it was %08x", tried, former));
-    } else if (state->state == UploadState::kSettled && state->fingerprint == former &&
-               tried != former) {
+    } else if (state->fingerprint == former && tried != former &&
+               (state->state == UploadState::kSettled || state->state == UploadState::kLeft)) {
       return ended(ReleaseState::kReverted,
                    "went back to the former release: the new one did not publish for 30 s what was "
                    "published before");

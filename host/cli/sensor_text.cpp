@@ -74,10 +74,37 @@ const char* reaction_text(wire::Reaction reaction) {
   return "bring the robot to a safe stop: the reaction is of a newer sensor";
 }
 
+namespace {
+
+std::string release_line(const wire::EventReport& event) {
+  constexpr std::uint32_t kConfirmed = 2;
+  constexpr std::uint32_t kLeft = 3;
+  std::string line = printed("event: release %08x ", event.former);
+  if (event.active != 0) {
+    line +=
+        "runs on trial: it is confirmed within two minutes, or the sensor restarts with the "
+        "former one";
+  } else if (event.value == kConfirmed) {
+    line += "is confirmed";
+  } else if (event.value == kLeft) {
+    line += "was not confirmed: the former one runs again";
+  } else {
+    line += "is no longer on trial";
+  }
+  return line + "; " +
+         reaction_text(event.active != 0 || event.value == kLeft ? event.reaction
+                                                                 : wire::Reaction::kNone);
+}
+
+}  // namespace
+
 std::string event_line(const wire::EventReport& event) {
   const wire::ConditionInfo* const info =
       wire::info_of(static_cast<wire::Condition>(event.condition));
   std::string line = "event: " + name_of(event.condition);
+  if (static_cast<wire::Condition>(event.condition) == wire::Condition::kReleaseOnTrial) {
+    return release_line(event);
+  }
   if (event.active == 0) {
     return line + " ended";
   }

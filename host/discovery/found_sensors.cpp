@@ -151,6 +151,7 @@ bool FoundSensors::take_packet(std::span<const std::byte> datagram, const std::s
   sensor.board = shown(announce->board);
   sensor.health = packet->header.frame.health;
   sensor.rate_millihertz = announce->rate_millihertz;
+  sensor.standby = static_cast<wire::SensorState>(announce->state) == wire::SensorState::kStandby;
   sensor.subscribers = announce->subscribers;
   sensor.most_subscribers = announce->most_subscribers;
   return true;

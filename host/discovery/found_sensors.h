@@ -29,6 +29,7 @@ struct FoundSensor {
   // Known from beacons and answers only.
   std::optional<wire::Health> health{};
   std::optional<std::uint32_t> rate_millihertz{};  // frames of its last second, 1/1000 Hz
+  bool standby = false;                            // nobody subscribes, so there are no frames
   unsigned subscribers = 0;
   unsigned most_subscribers = 0;
 

@@ -226,11 +226,20 @@ class UploadKind(enum.IntEnum):
     UPDATE = 2  # an update file, see "Update file"
 
 
+class SensorState(enum.IntEnum):
+    MEASURING = 0  # frames come as the settings say, or a condition says why not
+    # no edges and no light, as the setting `standby` wants: nobody subscribes; the first one who
+    # does ends it
+    STANDBY = 1
+
+
 class UploadState(enum.IntEnum):
     SETTLED = 0  # each start uses what is in force
     # of updates: the next start uses what was there before, unless this one is confirmed
     ON_TRIAL = 1
     RESTARTING = 2  # of updates: the sensor is about to restart
+    # of updates: as settled; the release in the other slot was to be tried, and was not confirmed
+    LEFT = 3
 
 
 class SettingsResult(enum.IntEnum):
@@ -328,6 +337,10 @@ class Condition(enum.IntEnum):
     # installed; value: 1 no regular file or unreadable, 2 damaged, of a later version, or not of
     # this rig
     CALIBRATION_DROPPED = 30
+    # an update runs on trial: it is confirmed, or the sensor restarts with the former release
+    # within two minutes; value: 1 on trial; where it has ended: 2 confirmed, 3 left, which the
+    # former release tells from its start on. `former`: the fingerprint of the release
+    RELEASE_ON_TRIAL = 31
 
 
 class ConditionInfo(typing.NamedTuple):
@@ -432,6 +445,9 @@ CONDITIONS = {
     Condition.CALIBRATION_DROPPED: ConditionInfo(
         "the installed calibration could not be used at the start: the factory's holds, until one is installed",
         Severity.MINOR, Reaction.WATCH),
+    Condition.RELEASE_ON_TRIAL: ConditionInfo(
+        "an update runs on trial: it is confirmed, or the sensor restarts with the former release within two minutes",
+        Severity.INFO, Reaction.WATCH),
 }
 # made: end
 
@@ -828,7 +844,9 @@ class EventReport(Layout):
     count: int = 0  # how often it has begun since the sender's start
     value: int = 0  # depends on the condition
     at_ns: int = 0  # when, ns, clock of the header
-    former: int = 0  # of calibration changed: the fingerprint of the one before; else 0
+    # of calibration changed: the fingerprint of the one before; of release on trial: the
+    # fingerprint of the release; else 0
+    former: int = 0
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("sequence", "I", 1),
@@ -891,6 +909,7 @@ class Announce(Layout):
     image_width: int = 0  # of its depth, pixels
     image_height: int = 0  # rows
     rate_millihertz: int = 0  # frames of the last second, 1/1000 Hz
+    state: int = 0  # SensorState: whether there are frames
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("request_id", "I", 1),
@@ -905,7 +924,8 @@ class Announce(Layout):
         ("image_width", "H", 1),
         ("image_height", "H", 1),
         ("rate_millihertz", "I", 1),
-        ("", "x", 24),
+        ("state", "B", 1),
+        ("", "x", 23),
     )
 
 

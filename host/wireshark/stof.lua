@@ -165,10 +165,16 @@ names.UploadKind = {
   [2] = "update",
 }
 
+names.SensorState = {
+  [0] = "measuring",
+  [1] = "standby",
+}
+
 names.UploadState = {
   [0] = "settled",
   [1] = "on trial",
   [2] = "restarting",
+  [3] = "left",
 }
 
 names.SettingsResult = {
@@ -215,6 +221,7 @@ names.Condition = {
   [28] = "stereo blind",
   [29] = "calibration changed",
   [30] = "calibration dropped",
+  [31] = "release on trial",
 }
 
 layouts.RawRequest = {
@@ -377,7 +384,7 @@ layouts.event = {
   {name = "count", size = 4, count = 1, kind = "uint32", title = "Count", base = base.DEC, doc = "how often it has begun since the sender's start"},
   {name = "value", size = 4, count = 1, kind = "uint32", title = "Value", base = base.DEC, doc = "depends on the condition"},
   {name = "at_ns", size = 8, count = 1, kind = "int64", title = "At ns", base = base.DEC, doc = "when, ns, clock of the header"},
-  {name = "former", size = 4, count = 1, kind = "uint32", title = "Former", base = base.DEC, doc = "of calibration changed: the fingerprint of the one before; else 0"},
+  {name = "former", size = 4, count = 1, kind = "uint32", title = "Former", base = base.DEC, doc = "of calibration changed: the fingerprint of the one before; of release on trial: the fingerprint of the release; else 0"},
 }
 
 layouts.parity = {
@@ -412,7 +419,8 @@ layouts.announce = {
   {name = "image_width", size = 2, count = 1, kind = "uint16", title = "Image width", base = base.DEC, doc = "of its depth, pixels"},
   {name = "image_height", size = 2, count = 1, kind = "uint16", title = "Image height", base = base.DEC, doc = "rows"},
   {name = "rate_millihertz", size = 4, count = 1, kind = "uint32", title = "Rate millihertz", base = base.DEC, doc = "frames of the last second, 1/1000 Hz"},
-  {name = "reserved", size = 24, count = 1, kind = "bytes", title = "Reserved"},
+  {name = "state", size = 1, count = 1, kind = "uint8", title = "State", base = base.DEC, names = "SensorState", doc = "whether there are frames"},
+  {name = "reserved", size = 23, count = 1, kind = "bytes", title = "Reserved"},
 }
 
 layouts.sectors = {

@@ -115,6 +115,9 @@ constexpr std::array kBefore{
     whole<[](auto& s) -> auto& { return s.period_ms; }>(
         "", "period_ms", 0, kMostPeriodMs, "ms",
         "from one trigger edge to the next; 0: the board's"),
+    yes_or_no<[](auto& s) -> auto& { return s.standby; }>(
+        "", "standby",
+        "no edges and no light while nobody subscribes, from 10 s after the last one on"),
     choice<[](auto& s) -> auto& { return s.depth.preset; }>("depth", "preset", kDepthPresets,
                                                             "how the stereo pair is matched"),
     by_anybody(whole<[](auto& s) -> auto& { return s.depth.max_range_mm; }>(

@@ -155,6 +155,49 @@ TEST(HealthMonitor, AChangedCalibrationNamesBothAndLastsForTenSeconds) {
   }
 }
 
+TEST(HealthMonitor, AReleaseIsOnTrialUntilItIsConfirmedOrLeft) {
+  for (const std::uint32_t outcome : {kReleaseConfirmed, kReleaseLeft}) {
+    HealthMonitor monitor(at(0s));
+    const auto told = [&](std::uint32_t value, hal::Duration when) {
+      monitor.observe(
+          {.at = at(when), .kind = EventKind::kRelease, .value = value, .former = 0xAB});
+      const auto all = events(monitor, when);
+      EXPECT_EQ(all.size(), 1U);
+      return all.empty() ? wire::EventReport{} : all.front();
+    };
+    const wire::EventReport began = told(kReleaseOnTrial, 1s);
+    EXPECT_EQ(began.condition, static_cast<std::uint8_t>(Condition::kReleaseOnTrial));
+    EXPECT_EQ(began.active, 1);
+    EXPECT_EQ(began.former, 0xAB);
+    EXPECT_EQ(monitor.summary(), wire::Health::kOk);
+    EXPECT_EQ(monitor.next_health({}, {}, true, at(1s))->active, 1U << 31U);
+    const wire::EventReport ended = told(outcome, 30s);
+    EXPECT_EQ(ended.active, 0);
+    EXPECT_EQ(ended.value, outcome);
+    EXPECT_EQ(ended.former, 0xAB);
+    EXPECT_EQ(monitor.next_health({}, {}, true, at(30s))->active, 0U);
+  }
+}
+
+TEST(HealthMonitor, WhoComesLaterHearsWhatCameOfATrial) {
+  HealthMonitor monitor(at(0s));
+  monitor.tell_release_again();
+  EXPECT_TRUE(events(monitor, 1s).empty());  // there was none
+  monitor.observe(
+      {.at = at(2s), .kind = EventKind::kRelease, .value = kReleaseLeft, .former = 0xAB});
+  const auto first = events(monitor, 2s);
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_EQ(first[0].active, 0);
+  EXPECT_EQ(events(monitor, 3s).size(), 1U);  // the usual repetition
+  EXPECT_TRUE(events(monitor, 60s).empty());
+  monitor.tell_release_again();
+  const auto again = events(monitor, 61s);
+  ASSERT_EQ(again.size(), 1U);
+  EXPECT_EQ(again[0].sequence, first[0].sequence);
+  EXPECT_EQ(again[0].value, kReleaseLeft);
+  EXPECT_TRUE(events(monitor, 62s).empty());
+}
+
 TEST(HealthMonitor, EachChangeOfTheSettingsIsAnEventAndEndsAfterTenSeconds) {
   HealthMonitor monitor(at(0s));
   const auto events = [&](hal::Time now) {

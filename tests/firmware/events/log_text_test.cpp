@@ -13,7 +13,7 @@
 namespace stof::firmware {
 namespace {
 
-constexpr auto kLastEvent = static_cast<int>(EventKind::kLastKeyEnded);
+constexpr auto kLastEvent = static_cast<int>(EventKind::kRelease);
 
 constexpr std::array<std::uint8_t, 16> kLongest{0xFD, 0x11, 0xFD, 0x11, 0xFD, 0x11, 0xFD, 0x11,
                                                 0xFD, 0x11, 0xFD, 0x11, 0xFD, 0x11, 0xFD, 0x11};
@@ -58,6 +58,10 @@ TEST(LogText, SaysWhatChanged) {
             "stereo camera lost, trying to get it back");
   EXPECT_EQ(text_of({.kind = EventKind::kCalibrationChanged, .value = 0x12, .former = 0xABCDEF01}),
             "calibration 00000012 in place of abcdef01, put there over the serial line");
+  EXPECT_EQ(text_of({.kind = EventKind::kRelease, .value = kReleaseLeft, .former = 0x12}),
+            "release 00000012 was not confirmed: each start takes the former one");
+  EXPECT_EQ(text_of({.kind = EventKind::kRelease, .value = kReleaseConfirmed, .former = 0x12}),
+            "release 00000012 is confirmed: each start takes it");
   EXPECT_EQ(text_of({.kind = EventKind::kSettingsChanged,
                      .address = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 192, 168, 1, 20}}),
             "settings changed by 192.168.1.20");

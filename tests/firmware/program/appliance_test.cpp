@@ -337,6 +337,35 @@ TEST(Appliance, KeysThatComeAndGoAreTold) {
   EXPECT_NE(lines.find("It was the last"), std::string::npos) << lines;
 }
 
+TEST(Appliance, WhatCameOfAReleaseIsToldOnceAndToWhoeverSubscribesLater) {
+  ApplianceRig box;
+  box.subscribe(1);
+  const auto told = [&](int steps, std::uint32_t release) {
+    std::vector<wire::EventReport> all;
+    for (int i = 0; i < steps; ++i) {
+      static_cast<void>(box.appliance.step({.release = release, .release_fingerprint = 0xAB}));
+      Receiver receiver;
+      receiver.drain(box.rig.port);
+      for (const wire::EventReport& event : receiver.events) {
+        if (event.condition == static_cast<std::uint8_t>(wire::Condition::kReleaseOnTrial)) {
+          all.push_back(event);
+        }
+      }
+    }
+    return all;
+  };
+  const auto first = told(100, kReleaseLeft);
+  ASSERT_EQ(first.size(), 2U);  // and once more a second later
+  EXPECT_EQ(first[0].active, 0);
+  EXPECT_EQ(first[0].value, kReleaseLeft);
+  EXPECT_EQ(first[0].former, 0xABU);
+  EXPECT_TRUE(told(100, kReleaseLeft).empty());
+  box.subscribe(2);
+  const auto later = told(100, kReleaseLeft);
+  ASSERT_EQ(later.size(), 1U);
+  EXPECT_EQ(later[0].sequence, first[0].sequence);
+}
+
 TEST(Appliance, FramesCarryTheFingerprintOfTheirSettings) {
   ApplianceRig box;
   box.subscribe(1);

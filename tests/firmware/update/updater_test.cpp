@@ -72,6 +72,66 @@ TEST_F(UpdaterTest, ASignedFileGoesToTheOtherSlotWhichIsTriedOnceAndConfirmed) {
   EXPECT_EQ(*test::choice_on(slots_.disk()), settled(Slot::kB));
 }
 
+TEST_F(UpdaterTest, WhatCameOfATrialIsToldByTheReleaseThatRuns) {
+  using What = TrialOutcome::What;
+  Updater first(test::setup_of(slots_, Slot::kA));
+  EXPECT_EQ(first.outcome(), TrialOutcome());  // B holds a release that nobody has tried
+  run(first, 12s);
+  ASSERT_EQ(test::send(first, test::update_file(new_), said_), SettingsResult::kOk) << said_;
+
+  Updater second(test::setup_of(slots_, Slot::kB));
+  const std::uint32_t tried = second.versions().in_force;
+  EXPECT_EQ(second.outcome(), (TrialOutcome{.what = What::kRuns, .release = tried}));
+  // It crashes.
+  Updater third(test::setup_of(slots_, Slot::kA));
+  EXPECT_EQ(third.outcome(), (TrialOutcome{.what = What::kLeft, .release = tried}));
+  EXPECT_EQ(third.versions().state, UploadState::kLeft);
+  run(third, 12s);
+  ASSERT_EQ(test::send(third, test::update_file(b_), said_), SettingsResult::kOk) << said_;
+  EXPECT_EQ(third.versions().state, UploadState::kRestarting);
+  EXPECT_EQ(third.outcome(), TrialOutcome());  // another one is in that slot
+
+  Updater fourth(test::setup_of(slots_, Slot::kB));
+  const std::uint32_t good = fourth.versions().in_force;
+  EXPECT_NE(good, tried);
+  run(fourth, 32s);
+  EXPECT_EQ(fourth.outcome(), (TrialOutcome{.what = What::kConfirmed, .release = good}));
+  // The former release lies in the other slot, and was not left.
+  Updater fifth(test::setup_of(slots_, Slot::kB));
+  EXPECT_EQ(fifth.outcome(), TrialOutcome());
+  EXPECT_EQ(fifth.versions().state, UploadState::kSettled);
+
+  run(fifth, 12s);
+  ASSERT_EQ(test::revert(fifth, said_), SettingsResult::kOk) << said_;
+  Updater reverted(test::setup_of(slots_, Slot::kA));
+  EXPECT_EQ(reverted.outcome().what, What::kRuns);
+  run(reverted, 80s, false);
+  EXPECT_EQ(reverted.outcome().what, What::kLeft);
+  Updater last(test::setup_of(slots_, Slot::kB));
+  EXPECT_EQ(last.outcome(),
+            (TrialOutcome{.what = What::kLeft, .release = reverted.versions().in_force}));
+}
+
+TEST_F(UpdaterTest, InStandbyWhatWasPublishedBeforeItCounts) {
+  Updater updater(test::setup_of(slots_, Slot::kA));
+  run(updater, 12s);
+  published_.standby = true;
+  run(updater, 60s, false);
+  ASSERT_EQ(test::send(updater, test::update_file(new_), said_), SettingsResult::kOk) << said_;
+  published_.standby = false;
+  Updater next(test::setup_of(slots_, Slot::kB));
+  run(next, 60s, false);  // no frames: not good enough
+  EXPECT_EQ(next.outcome().what, TrialOutcome::What::kRuns);
+}
+
+TEST_F(UpdaterTest, ARecordWithoutAReadableNumberIsOfTrialZero) {
+  RecordBytes bytes = write_record({}, kAllShown, 7);
+  EXPECT_EQ(read_record(bytes).trial, 7);
+  bytes[512 + 16] ^= std::byte{1};
+  EXPECT_EQ(read_record(bytes).trial, 0);
+  EXPECT_EQ(read_record(bytes).before, kAllShown);
+}
+
 TEST_F(UpdaterTest, ATrialThatPublishesNothingIsLeft) {
   Updater updater(test::setup_of(slots_, Slot::kA));
   run(updater, 12s);

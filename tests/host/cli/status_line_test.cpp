@@ -166,6 +166,21 @@ TEST(EventLine, SaysWhichCalibrationCameInPlaceOfWhich) {
       std::string::npos);
 }
 
+TEST(EventLine, SaysWhatCameOfATrial) {
+  const auto line = [](std::uint8_t active, std::uint32_t value) {
+    return event_line({.condition = static_cast<std::uint8_t>(wire::Condition::kReleaseOnTrial),
+                       .reaction = wire::Reaction::kWatch,
+                       .active = active,
+                       .value = value,
+                       .former = 0xAB});
+  };
+  EXPECT_NE(line(1, 1).find("release 000000ab runs on trial"), std::string::npos);
+  EXPECT_EQ(line(0, 2), "event: release 000000ab is confirmed; go on");
+  EXPECT_EQ(line(0, 3),
+            "event: release 000000ab was not confirmed: the former one runs again; go on, and tell "
+            "whoever maintains the robot");
+}
+
 TEST(EventLine, OfANewerSensor) {
   EXPECT_EQ(event_line({.condition = 200, .reaction = wire::Reaction::kSlow, .active = 1}),
             "event: condition 200 began; slow down: expect gaps");
@@ -185,7 +200,7 @@ TEST(HealthLine, NamesWhatIsActive) {
   const wire::HealthReport ill{.active = (1U << 4) | (1U << 31),
                                .severity = wire::Severity::kMajor,
                                .reaction = wire::Reaction::kSlow};
-  EXPECT_EQ(active_text(ill), ", active: late condition 31");
+  EXPECT_EQ(active_text(ill), ", active: late release_on_trial");
   EXPECT_NE(health_line(ill).find("major trouble"), std::string::npos);
   EXPECT_NE(health_line(ill).find("; slow down"), std::string::npos);
 }

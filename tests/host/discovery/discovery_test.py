@@ -142,7 +142,7 @@ class Discover(Discovery):
         self.assertEqual(json.loads(ended.stdout), [{
             "serial": "A17", "name": "front", "address": "192.0.2.2", "port": 7560, "device_id": 0x0a0b0c0d,
             "version": "0.1.0", "board": "emu", "health": "degraded", "found_by": ["direct", "beacon", "mdns"],
-            "rate_hz": 29.97, "subscribers": 0, "most_subscribers": 4}])
+            "standby": False, "rate_hz": 29.97, "subscribers": 0, "most_subscribers": 4}])
 
     def test_it_is_one_line(self):
         self.sensor(port=7777)  # nobody asks there: found by beacon and mDNS, then asked

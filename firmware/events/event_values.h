@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+
+// Values of events and of their conditions.
+namespace stof::firmware {
+
+// Of pairing at the sensor: kPairingTold and above: that and the six digits.
+inline constexpr std::uint32_t kPairingClosed = 0;
+inline constexpr std::uint32_t kPairingOpen = 1;
+inline constexpr std::uint32_t kPairingDone = 2;  // a key came of it
+inline constexpr std::uint32_t kPairingTold = 1'000'000;
+
+// What came of the newest trial of a release: the value of the condition.
+inline constexpr std::uint32_t kNoRelease = 0;
+inline constexpr std::uint32_t kReleaseOnTrial = 1;
+inline constexpr std::uint32_t kReleaseConfirmed = 2;
+inline constexpr std::uint32_t kReleaseLeft = 3;
+
+}  // namespace stof::firmware
