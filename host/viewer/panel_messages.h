@@ -83,7 +83,8 @@ struct UpdateState {
   std::string text{};     // one line of what came of it
   std::string running{};  // 8 hexadecimal digits; empty: not known
   std::string other{};    // in the other slot; empty: none
-  std::string state{};    // of the running one: "settled", "trial", "restarting"; empty: not known
+  std::string
+      state{};  // of the running one: "settled", "trial", "restarting", "left"; empty: not known
   std::string problem{};  // one line: why that is not known
 };
 std::string update_message(const UpdateState& state);

@@ -47,6 +47,8 @@ const char* name_of_state(wire::UploadState state) {
       return "trial";
     case wire::UploadState::kRestarting:
       return "restarting";
+    case wire::UploadState::kLeft:
+      return "left";
   }
   return "";
 }

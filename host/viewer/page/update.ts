@@ -9,7 +9,7 @@ export interface UpdateMessage {
 
 const askEveryMs = 3000; // while it is open
 const steps = ["sending", "restarting", "trial", "confirmed"];
-const places: Record<string, string> = { settled: "each start uses it", trial: "on trial: the next start uses the former one, unless this one is confirmed", restarting: "the sensor is about to restart" };
+const places: Record<string, string> = { settled: "each start uses it", trial: "on trial: the next start uses the former one, unless this one is confirmed", restarting: "the sensor is about to restart", left: "each start uses it; the one in the other slot was tried and left" };
 
 function sizeText(bytes: number): string {
   return bytes < 1e5 ? `${(bytes / 1e3).toFixed(1)} kB` : `${(bytes / 1e6).toFixed(1)} MB`;
