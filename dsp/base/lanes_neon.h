@@ -80,11 +80,6 @@ struct Lanes<std::uint16_t> {
   static V at_most(V a, V b) noexcept { return vcleq_u16(a, b); }
   static V equal(V a, V b) noexcept { return vceqq_u16(a, b); }
   static V select(V mask, V a, V b) noexcept { return vbslq_u16(mask, a, b); }
-  // Lanes kFirst and up of a, then the first kFirst of b.
-  template <int kFirst>
-  static V joined(V a, V b) noexcept {
-    return vextq_u16(a, b, kFirst);
-  }
   static V one_up(V before, V v) noexcept { return vextq_u16(before, v, 7); }
   static V one_down(V v, V after) noexcept { return vextq_u16(v, after, 1); }
   static Lane smallest(V v) noexcept { return vminvq_u16(v); }

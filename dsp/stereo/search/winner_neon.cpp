@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <utility>
 
 #include "dsp/base/check.h"
 #include "dsp/base/lanes_neon.h"
@@ -67,147 +66,13 @@ void find_right_winners(std::span<const std::uint32_t> costs, std::size_t lanes,
   }
 }
 
-// The right pixels that a column's candidates meet move by one from column to column. Columns are
-// taken kColumns at a time: right pixels are those of the first of them, a vector after the other,
-// and each vector meets all columns while its lowest costs are in registers. The column is what is
-// kept of the best: one number for all lanes.
-template <typename Sum>
-struct RightPixels {
-  using L = Lanes<Sum>;
-  using V = typename L::V;
-  static constexpr std::size_t kStep = L::kLanes;
-
-  std::size_t lanes;
-  Sum* lowest;  // of right pixels
-  Sum* column;  // of the lowest cost
-
-  // Columns x .. x + kColumns - 1, the first of which meets right pixel j as its candidate 0.
-  template <int kColumns>
-  void meet(const Sum* costs, std::size_t x, std::size_t j) const noexcept {
-    static_assert(kColumns <= static_cast<int>(kStep));
-    const Sum* of[kColumns];
-    V number[kColumns];
-    for (int k = 0; k < kColumns; ++k) {
-      of[k] = costs + (x + static_cast<std::size_t>(k)) * lanes;
-      number[k] = L::all(static_cast<Sum>(x + static_cast<std::size_t>(k)));
-    }
-    if constexpr (kColumns > 1) {  // right pixels before j: the first candidates of later columns
-      begin(of, number, j - kStep, std::make_integer_sequence<int, kColumns>());
-    }
-    for (int k = 0; k < kColumns; ++k) {
-      of[k] += k;
-    }
-    const std::size_t last = lanes - kStep;
-    std::size_t i = 0;
-    for (; i + kStep < last; i += 2 * kStep) {  // two: one address serves both
-      State low(*this, j + i);
-      State high(*this, j + i + kStep);
-      for (int k = 0; k < kColumns; ++k) {
-        low.meet(L::load(of[k] + i), number[k]);
-        high.meet(L::load(of[k] + i + kStep), number[k]);
-      }
-      low.keep(*this, j + i);
-      high.keep(*this, j + i + kStep);
-    }
-    for (; i < last; i += kStep) {
-      State state(*this, j + i);
-      for (int k = 0; k < kColumns; ++k) {
-        state.meet(L::load(of[k] + i), number[k]);
-      }
-      state.keep(*this, j + i);
-    }
-    for (int k = 0; k < kColumns; ++k) {
-      of[k] += last - static_cast<std::size_t>(k);
-    }
-    end(of, number, j + last, std::make_integer_sequence<int, kColumns>());
-  }
-
- private:
-  struct State {
-    State(const RightPixels& pixels, std::size_t j) noexcept
-        : low(L::load(pixels.lowest + j)), best(L::load(pixels.column + j)) {}
-    void meet(V cost, V number) noexcept {
-      best = L::select(L::less(cost, low), number, best);
-      low = L::smaller(low, cost);
-    }
-    void keep(const RightPixels& pixels, std::size_t j) const noexcept {
-      L::store(pixels.lowest + j, low);
-      L::store(pixels.column + j, best);
-    }
-    V low;
-    V best;
-  };
-
-  // No costs before a column's first, none behind its last.
-  template <int... kNumber>
-  void begin(const Sum* const* of, const V* number, std::size_t j,
-             std::integer_sequence<int, kNumber...> /*columns*/) const noexcept {
-    const V none = L::all(kNoCost<Sum>);
-    State state(*this, j);
-    (state.meet(L::template joined<kNumber>(none, L::load(of[kNumber])), number[kNumber]), ...);
-    state.keep(*this, j);
-  }
-  template <int... kNumber>
-  void end(const Sum* const* of, const V* number, std::size_t j,
-           std::integer_sequence<int, kNumber...> /*columns*/) const noexcept {
-    const V none = L::all(kNoCost<Sum>);
-    State state(*this, j);
-    (state.meet(L::template joined<kNumber>(L::load(of[kNumber]), none), number[kNumber]), ...);
-    state.keep(*this, j);
-  }
-};
-
-// column: of each right pixel, where lowest is not kNoCost.
-template <typename Sum>
-void meet_columns(std::span<const Sum> costs, std::size_t lanes, std::span<Sum> lowest,
-                  Sum* column) noexcept {
-  constexpr std::size_t kColumns = 8;
-  const std::size_t n = costs.size() / lanes;
-  std::ranges::fill(lowest, kNoCost<Sum>);
-  const RightPixels<Sum> pixels{lanes, lowest.data(), column};
-  std::size_t x = 0;
-  // Right pixels before the last column's first are touched by a whole vector.
-  for (; x + kColumns - 1 + Lanes<Sum>::kLanes < n; x += kColumns) {
-    pixels.template meet<kColumns>(costs.data(), x, n - 1 - x);
-  }
-  for (; x < n; ++x) {
-    pixels.template meet<1>(costs.data(), x, n - 1 - x);
-  }
-}
-
-// Right pixel j met column x as candidate x + j - (n - 1).
-void find_right_winners(std::span<const std::uint16_t> costs, std::size_t lanes,
-                        std::span<std::uint16_t> lowest, std::span<std::int16_t> winners) noexcept {
-  using L = Lanes<std::uint16_t>;
-  auto* const column =
-      reinterpret_cast<std::uint16_t*>(winners.data());  // NOLINT: the same numbers
-  std::ranges::fill(winners, kNoWinner);
-  meet_columns(costs, lanes, lowest, column);
-  const std::size_t first = std::size_t{1} - costs.size() / lanes;  // wraps as lanes do
-  const auto finish = [&](std::size_t j) noexcept {
-    const L::V candidate =
-        L::load(column + j) + (L::numbers() + L::all(static_cast<std::uint16_t>(first + j)));
-    const L::V none = L::equal(L::load(lowest.data() + j), L::all(kNoCost<std::uint16_t>));
-    return candidate | none;
-  };
-  // The last vector repeats none of those before: what was a column is a candidate then.
-  std::size_t j = 0;
-  for (; j + L::kLanes <= winners.size(); j += L::kLanes) {
-    L::store(column + j, finish(j));
-  }
-  for (; j < winners.size(); ++j) {
-    const auto candidate = static_cast<std::int16_t>(column[j] + first + j);
-    winners[j] = lowest[j] == kNoCost<std::uint16_t> ? kNoWinner : candidate;
-  }
-}
-
 void store_last(std::uint8_t* to, uint8x16_t v) noexcept { vst1q_lane_u8(to, v, 15); }
+void store_last(std::uint16_t* to, uint16x8_t v) noexcept { vst1q_lane_u16(to, v, 7); }
 
 // The right pixels that one column's candidates meet move by one from column to column. A window of
 // them, kVectors vectors from candidate `first` on, stays in registers: one pixel enters it with
 // what smaller candidates left behind, one leaves it. (In memory each column would wait for the
-// stores of the one before.) For bytes: of their vectors a column has too few for RightPixels to
-// pay.
+// stores of the one before.)
 template <typename Sum, std::size_t kVectors>
 void scan_window(std::span<const Sum> costs, std::size_t lanes, std::size_t first, Sum* lowest,
                  Sum* best) noexcept {
@@ -261,6 +126,13 @@ void scan_windows(std::span<const Sum> costs, std::size_t lanes, std::span<Sum> 
   for (; first < lanes; first += kStep) {
     scan_window<Sum, 1>(costs, lanes, first, lowest.data(), best);
   }
+}
+
+void find_right_winners(std::span<const std::uint16_t> costs, std::size_t lanes,
+                        std::span<std::uint16_t> lowest, std::span<std::int16_t> winners) noexcept {
+  auto* const best = reinterpret_cast<std::uint16_t*>(winners.data());  // NOLINT: the same numbers
+  std::ranges::fill(winners, kNoWinner);
+  scan_windows(costs, lanes, lowest, best);
 }
 
 // Candidates fit bytes too: those are the second half of the winners' own memory until they become
