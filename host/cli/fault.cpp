@@ -12,6 +12,7 @@
 #include "host/cli/failure.h"
 #include "host/cli/json_output.h"
 #include "host/cli/output.h"
+#include "host/client/printable.h"
 #include "posix/local_socket.h"
 #include "posix/poll.h"
 
@@ -49,13 +50,22 @@ std::string ask(const std::string& socket, std::string_view order) {
   return {space.data(), *size};
 }
 
+[[noreturn]] void fail_as_no_list(const std::string& socket) {
+  throw Failure(Exit::kFailure, socket +
+                                    ": answers with what is no list of faults: use stof and "
+                                    "stofd of one version");
+}
+
 // "DEVICE KIND EDGES KIND,KIND,...".
 DeviceFaults device_in(const std::string& socket, const std::string& line) {
+  constexpr std::size_t kMostDigits = 9;
   std::vector<std::string> words = split(line, ' ');
-  if (words.size() != 4) {
-    throw Failure(Exit::kFailure, socket +
-                                      ": answers with what is no list of faults: use stof and "
-                                      "stofd of one version");
+  const bool shown = std::ranges::all_of(line, [](char c) { return c >= ' ' && c <= '~'; });
+  if (!shown || words.size() != 4 ||
+      (words[2] != "-" &&
+       (words[2].empty() || words[2].size() > kMostDigits ||
+        !std::ranges::all_of(words[2], [](char c) { return c >= '0' && c <= '9'; })))) {
+    fail_as_no_list(socket);
   }
   return {.device = std::move(words[0]),
           .now = std::move(words[1]),
@@ -107,11 +117,14 @@ void fault(const FaultOptions& options) {
 
 std::vector<DeviceFaults> order_fault(const std::string& socket, std::string_view order) {
   const std::string answer = ask(socket, order);
-  std::vector<std::string> lines = split(answer, '\n');
+  const std::vector<std::string> lines = split(answer, '\n');
   constexpr std::string_view kRefused = "refused: ";
-  if (lines.front().starts_with(kRefused)) {
-    throw Failure(Exit::kBadInput,
-                  std::string(order) + ": " + lines.front().substr(kRefused.size()));
+  if (answer.starts_with(kRefused)) {
+    throw Failure(Exit::kBadInput, std::string(order) + ": " +
+                                       client::printable(lines.front().substr(kRefused.size())));
+  }
+  if (!answer.starts_with("ok\n")) {
+    fail_as_no_list(socket);
   }
   std::vector<DeviceFaults> devices;
   for (std::size_t i = 1; i < lines.size(); ++i) {

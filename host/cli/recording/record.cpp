@@ -68,9 +68,7 @@ class Recording {
       if (options_.raw && frames() != 0 && exposures() == 0 &&
           now - began_ > std::chrono::duration<double>(std::max(options_.timeout_s, kAnewS))) {
         throw Failure(Exit::kFailure,
-                      "no raw pictures came, from the begin of what counts from "
-                      "frame to frame" +
-                          raw_absence(receiver_.raw_refusal()));
+                      "no raw pictures came" + raw_absence(receiver_.raw_refusal()));
       }
       if (frames() != 0 && now - said >= std::chrono::seconds(1)) {
         said = now;

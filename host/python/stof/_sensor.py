@@ -49,6 +49,36 @@ def _check(status: int, why: bytes = b"") -> None:
         raise error_of(status, c.text(why) or c.text(c.library.stof_status_text(status)))
 
 
+def _nested(settings: typing.Mapping[str, typing.Any]) -> dict[str, typing.Any]:
+    """{"a.b": 1} as {"a": {"b": 1}}, on every level; what both say is one object."""
+    whole: dict[str, typing.Any] = {}
+    for path, value in settings.items():
+        *above, name = str(path).split(".")
+        place = whole
+        for one in above:
+            place = place.setdefault(one, {})
+            if not isinstance(place, dict):
+                raise BadArgument(f"{path}: {one} has a value of its own already")
+        if not isinstance(value, typing.Mapping):
+            if isinstance(place.get(name), dict):
+                raise BadArgument(f"{path}: has fields of its own already, and cannot have a value")
+            place[name] = value
+            continue
+        inner = place.setdefault(name, {})
+        if not isinstance(inner, dict):
+            raise BadArgument(f"{path}: {name} has a value of its own already")
+        _merge(inner, _nested(value))
+    return whole
+
+
+def _merge(into: dict[str, typing.Any], more: dict[str, typing.Any]) -> None:
+    for name, value in more.items():
+        if isinstance(value, dict) and isinstance(into.get(name), dict):
+            _merge(into[name], value)
+        else:
+            into[name] = value
+
+
 def discover(timeout: float = 2.5, addresses: typing.Iterable[str] = ()) -> list[Found]:
     """The sensors near, and those at `addresses` (HOST[:PORT]). Blocks for `timeout` seconds. From any thread. BadArgument."""
     if isinstance(addresses, str):
@@ -294,7 +324,8 @@ class Sensor:
         return json.loads(self._request(_GET, document).text)
 
     def set(self, settings: typing.Mapping[str, typing.Any]) -> Answer:
-        """Changes these fields, or nothing if one is refused: sensor.set({"streams": {"grey_left": "rvl"}}). Errors as get()."""
+        """Changes these fields, or nothing if one is refused: sensor.set({"streams": {"grey_left": "rvl"}}), or by their
+        paths: sensor.set({"streams.grey_left": "rvl"}). Errors as get(); BadArgument: a path leads through a value."""
         return self._request(_SET, text=self._json(settings))
 
     def stage(self, settings: typing.Mapping[str, typing.Any]) -> Answer:
@@ -324,7 +355,7 @@ class Sensor:
     @staticmethod
     def _json(settings: typing.Mapping[str, typing.Any]) -> bytes:
         try:
-            return json.dumps(settings, allow_nan=False).encode()
+            return json.dumps(_nested(settings), allow_nan=False).encode()
         except (TypeError, ValueError) as error:
             raise BadArgument(f"these settings are no JSON object: {error}") from None
 

@@ -293,7 +293,7 @@ class Page {
       context.fillRect(flat ? at : 0, flat ? 0 : at, 1, 1);
     }
     const text = (metres: number) => (widths ? `± ${short(metres * 1000)} mm` : `${short(metres)} m`);
-    const least = flat ? 0.11 : 0.045; // between ticks
+    const least = !flat ? 0.045 : widths ? 0.2 : 0.11; // between ticks, which have room for their text
     let last = -1;
     find("ticks").replaceChildren(...scale.ticks().flatMap((value) => {
       const place = scale.position(value);

@@ -171,6 +171,24 @@ class Words(Program):
                     ended = self.stof(*words)
                     self.assertEqual((ended.returncode, ended.stdout), (1 if name == "fault" else 2, ""), ended.stderr)
 
+    def test_a_socket_of_something_else_is_told(self):
+        answers = [b"", b"x", b"ok\npmd \x1b[31m 4 drop\n", b"ok\npmd none -5 drop\n"]
+        with tempfile.TemporaryDirectory() as folder, socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as other:
+            place = f"{folder}/socket"
+            other.bind(place)
+
+            def answer_all():
+                for answer in answers:
+                    other.sendto(answer, other.recvfrom(1000)[1])
+
+            answering = threading.Thread(target=answer_all, daemon=True)
+            answering.start()
+            for answer in answers:
+                ended = self.stof("fault", place)
+                self.assertEqual((ended.returncode, ended.stdout), (1, ""), answer)
+                self.assertIn("no list of faults", ended.stderr)
+            answering.join(ENOUGH_S)
+
     def test_json_of_a_new_key_parses(self):
         made = self.stof("pair", "--into", "sensor.keys", "--keys", "user.keys", "--role", "tune", "--name", "me", "--json")
         self.assertEqual((made.returncode, made.stderr), (0, ""))
