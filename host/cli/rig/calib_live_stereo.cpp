@@ -131,7 +131,12 @@ class LiveStereo {
     LiveLines::say("all views are there: calibrating");
     TargetViews views{
         .width = lens_.width, .height = lens_.height, .views = guide_->views(), .refused = {}};
-    dataset::Loaded<TargetCalibration> found = calibrate_target(std::move(views), target_);
+    bool stopped = false;
+    dataset::Loaded<TargetCalibration> found = calibrate_target(
+        std::move(views), target_, [&stopped] { return stopped = asked_to_stop(); });
+    if (stopped) {
+      throw Failure(Exit::kFailure, "stopped: " + kept_text());
+    }
     if (found && (found->missing.empty() || options_.force)) {
       return std::move(*found);
     }

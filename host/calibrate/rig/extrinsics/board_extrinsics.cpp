@@ -279,12 +279,14 @@ std::vector<PixelPoint> corners_in_amplitude(const dataset::Image<float>& amplit
   for (int y = 0; y < large.rows; ++y) {
     std::copy_n(large.ptr<std::uint8_t>(y), large.cols, picture.view().row(y).begin());
   }
+  const std::optional<FoundBoard> found = find_board(picture, board);
+  if (!found) {
+    return {};
+  }
   std::vector<PixelPoint> corners;
-  if (const std::optional<FoundBoard> found = find_board(picture, board)) {
-    for (const PixelPoint& p : found->corners) {
-      // The centre of a pixel of before is in the middle of those that it became.
-      corners.push_back({(p.u + 0.5) / kEnlarged - 0.5, (p.v + 0.5) / kEnlarged - 0.5});
-    }
+  for (const PixelPoint& p : found->corners) {
+    // The centre of a pixel of before is in the middle of those that it became.
+    corners.push_back({(p.u + 0.5) / kEnlarged - 0.5, (p.v + 0.5) / kEnlarged - 0.5});
   }
   // Enlarging invents nothing: where a corner is, the picture itself tells.
   refine_corners(amplitude, board, corners);

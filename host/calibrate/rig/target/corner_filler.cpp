@@ -51,27 +51,29 @@ void fill_corners(const dataset::Image<std::uint8_t>& picture, const Board& boar
   for (bool more = true; more;) {
     more = false;
     const auto straight = BoardPerspective::through(board, corners, kFewestSeen);
-    std::vector<PixelPoint> asked = corners;
+    std::vector<PixelPoint> with_expected = corners;
+    std::vector<bool> asked(corners.size());
     for (std::size_t i = 0; i < corners.size() && straight; ++i) {
       const PixelPoint at =
           corners[i].seen() ? kUnseen : expected(board, corners, *straight, static_cast<int>(i));
       const bool inside = at.u > kInside && at.v > kInside && at.u < picture.width - 1 - kInside &&
                           at.v < picture.height - 1 - kInside;
       if (inside) {
-        asked[i] = at;
-        more = true;
+        with_expected[i] = at;
+        asked[i] = more = true;
       }
     }
     if (!more) {
       return;
     }
-    const std::vector<PixelPoint> given = asked;
-    const std::vector<bool> fitted = refine_corners(picture, board, asked);
+    const std::vector<PixelPoint> given = with_expected;
+    const std::vector<bool> fitted = refine_corners(picture, board, with_expected, asked);
     more = false;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      const double off = std::hypot(asked[i].u - given[i].u, asked[i].v - given[i].v);
-      if (!corners[i].seen() && fitted[i] && off < kMostOff) {
-        corners[i] = asked[i];
+      const double off =
+          std::hypot(with_expected[i].u - given[i].u, with_expected[i].v - given[i].v);
+      if (fitted[i] && off < kMostOff) {
+        corners[i] = with_expected[i];
         more = true;
       }
     }

@@ -200,8 +200,11 @@ class GreyMisfit {
       const Vector2 place = pixel.at - start_.at;
       const double x = frame_.normal[0].dot(place);
       const double y = frame_.normal[1].dot(place);
-      const Vector2 row(1, white_at(frame_, x, y, start_.blur).value);
       const double weight = weight_of(frame_, x, y);
+      if (!(weight > 0)) {
+        continue;
+      }
+      const Vector2 row(1, white_at(frame_, x, y, start_.blur).value);
       normal += weight * row * row.transpose();
       right += weight * pixel.grey * row;
     }
@@ -317,7 +320,7 @@ std::optional<PixelPoint> fitted_corner(const dataset::Image<float>& picture, co
 }  // namespace
 
 std::vector<bool> refine_corners(const dataset::Image<float>& picture, const Board& board,
-                                 std::vector<PixelPoint>& corners) {
+                                 std::vector<PixelPoint>& corners, const std::vector<bool>& asked) {
   const auto perspective = BoardPerspective::through(board, corners, kFewestCorners);
   std::vector<bool> fitted(corners.size());
   if (!perspective) {
@@ -332,7 +335,7 @@ std::vector<bool> refine_corners(const dataset::Image<float>& picture, const Boa
     const bool inside = corner.seen() && corner.u > kLeastReach && corner.v > kLeastReach &&
                         corner.u < picture.width - 1 - kLeastReach &&
                         corner.v < picture.height - 1 - kLeastReach;
-    if (!inside) {
+    if (!inside || (!asked.empty() && !asked[i])) {
       continue;
     }
     const bool even = (number / board.columns + number % board.columns) % 2 == 0;
@@ -349,10 +352,10 @@ std::vector<bool> refine_corners(const dataset::Image<float>& picture, const Boa
 }
 
 std::vector<bool> refine_corners(const dataset::Image<std::uint8_t>& picture, const Board& board,
-                                 std::vector<PixelPoint>& corners) {
+                                 std::vector<PixelPoint>& corners, const std::vector<bool>& asked) {
   dataset::Image<float> grey(picture.width, picture.height);
   std::ranges::copy(picture.pixels, grey.pixels.begin());
-  return refine_corners(grey, board, corners);
+  return refine_corners(grey, board, corners, asked);
 }
 
 }  // namespace stof::host

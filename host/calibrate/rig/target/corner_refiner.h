@@ -13,12 +13,14 @@ namespace stof::host {
 // that meet there, their edges straight and smoothed by the same Gaussian, as far as the print
 // shows nothing else. corners: in the order of Board, within a pixel or two of the truth; kUnseen
 // stays kUnseen, and a corner stays as it is where the values do not show one: no contrast, half
-// outside of the picture, less than two pixels to the next edge. Returns of each whether it was
-// fitted.
+// outside of the picture, less than two pixels to the next edge. asked: which of them are fitted,
+// the others only tell how the board lies; empty: all. Returns of each whether it was fitted.
 std::vector<bool> refine_corners(const dataset::Image<float>& picture, const Board& board,
-                                 std::vector<PixelPoint>& corners);
+                                 std::vector<PixelPoint>& corners,
+                                 const std::vector<bool>& asked = {});
 
 std::vector<bool> refine_corners(const dataset::Image<std::uint8_t>& picture, const Board& board,
-                                 std::vector<PixelPoint>& corners);
+                                 std::vector<PixelPoint>& corners,
+                                 const std::vector<bool>& asked = {});
 
 }  // namespace stof::host

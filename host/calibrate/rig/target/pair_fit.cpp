@@ -60,6 +60,18 @@ struct RightCorner {
   }
 };
 
+class Stopper : public ceres::IterationCallback {
+ public:
+  explicit Stopper(const std::function<bool()>& stop) : stop_(stop) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*summary*/) override {
+    return stop_ && stop_() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const std::function<bool()>& stop_;
+};
+
 struct Unknowns {
   LensUnknowns left;
   LensUnknowns right;
@@ -82,7 +94,7 @@ class PairProblem {
     }
   }
 
-  bool solve() {
+  bool solve(const std::function<bool()>& stop) {
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_SCHUR;
     options.max_num_iterations = kMostSteps;
@@ -98,6 +110,8 @@ class PairProblem {
       order_->AddElementToGroup(block, 1);
     }
     options.linear_solver_ordering = order_;
+    Stopper stopper(stop);
+    options.callbacks.push_back(&stopper);
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem_, &summary);
     return summary.IsSolutionUsable();
@@ -230,7 +244,7 @@ std::optional<PairFit> fit_pair(const Board& board, const std::vector<PairView>&
     }
   }
   PairProblem problem(board, views, std::move(unknowns), options);
-  if (!problem.solve()) {
+  if (!problem.solve(options.stop)) {
     return std::nullopt;
   }
   PairFit fit;

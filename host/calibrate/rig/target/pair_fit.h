@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,8 +32,9 @@ struct PairView {
 inline constexpr std::size_t kRigUnknowns = 2 * kLensUnknowns + kPoseUnknowns;
 
 struct PairFitOptions {
-  bool k3 = true;          // fitted; else it stays 0
-  bool tangential = true;  // p1 and p2 are
+  bool k3 = true;                // fitted; else it stays 0
+  bool tangential = true;        // p1 and p2 are
+  std::function<bool()> stop{};  // asked after each step; true: ends without a fit
 };
 
 struct ViewResiduals {

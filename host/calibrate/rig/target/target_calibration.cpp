@@ -96,11 +96,12 @@ std::optional<std::size_t> outlier(const PairFit& fit) {
 }
 
 std::optional<PairFit> fit_without_outliers(const TargetOptions& options, PairStart start,
+                                            const std::function<bool()>& stop,
                                             TargetCalibration& result) {
   std::optional<PairFit> fit;
   for (int round = 0; round <= kMostOutliers; ++round) {
     fit = fit_pair(options.board, result.fitted, start.rig, start.boards,
-                   {.k3 = false, .tangential = false});
+                   {.k3 = false, .tangential = false, .stop = stop});
     const std::optional<std::size_t> worst = fit ? outlier(*fit) : std::nullopt;
     if (!worst || round == kMostOutliers) {
       return fit;
@@ -290,8 +291,11 @@ dataset::Loaded<TargetViews> find_views(const std::filesystem::path& folder,
   return found;
 }
 
-dataset::Loaded<TargetCalibration> calibrate_target(TargetViews views,
-                                                    const TargetOptions& options) {
+dataset::Loaded<TargetCalibration> calibrate_target(TargetViews views, const TargetOptions& options,
+                                                    const std::function<bool()>& stop) {
+  // Once true, it stays so.
+  bool stopped = false;
+  const auto asked = [&] { return stopped = stopped || (stop && stop()); };
   TargetCalibration result;
   result.refused = std::move(views.refused);
   Split parts = split(std::move(views.views), options.hold_out, views.width, views.height);
@@ -302,15 +306,22 @@ dataset::Loaded<TargetCalibration> calibrate_target(TargetViews views,
   if (!start) {
     return std::unexpected(std::move(start.error()));
   }
-  std::optional<PairFit> fit = fit_without_outliers(options, std::move(*start), result);
+  std::optional<PairFit> fit = fit_without_outliers(options, std::move(*start), asked, result);
+  if (stopped) {
+    return dataset::refuse("stopped");
+  }
   if (!fit) {
     return dataset::refuse(
         "the lenses do not follow from these views: add near views of the board tilted by 20 to 40 "
         "degrees, to both sides and up and down");
   }
   result.fit = std::move(*fit);
-  result.tangential = explains(options, {.k3 = false, .tangential = true}, result);
-  result.k3 = explains(options, {.k3 = true, .tangential = result.tangential}, result);
+  result.tangential = explains(options, {.k3 = false, .tangential = true, .stop = asked}, result);
+  result.k3 =
+      explains(options, {.k3 = true, .tangential = result.tangential, .stop = asked}, result);
+  if (stopped) {
+    return dataset::refuse("stopped");
+  }
   if (const char* const why = dsp::problem_of(result.fit.rig); *why != '\0') {
     return dataset::refuse(std::string(why) +
                            ": check that left and right are not exchanged, and add views");

@@ -65,8 +65,9 @@ dataset::Loaded<TargetViews> find_views(const std::filesystem::path& folder,
                                         const std::function<bool()>& stop = {});
 
 // One line where no pair follows from the views at all. Views that are missing are in `missing`.
-dataset::Loaded<TargetCalibration> calibrate_target(TargetViews views,
-                                                    const TargetOptions& options);
+// stop: asked at each step of each fit; true: no more is fitted, and "stopped" is the line.
+dataset::Loaded<TargetCalibration> calibrate_target(TargetViews views, const TargetOptions& options,
+                                                    const std::function<bool()>& stop = {});
 
 // How far apart the rows of both eyes' rectified corners are, px.
 std::vector<double> row_errors(const PairView& view, const dsp::RawPair& rig);

@@ -105,7 +105,19 @@ TEST(BoardExtrinsics, CornersAreFoundInAnAmplitudePicture) {
     squares += std::pow(found[i].u - truth[i].u, 2) + std::pow(found[i].v - truth[i].v, 2);
   }
   EXPECT_LT(std::sqrt(squares / static_cast<double>(2 * truth.size())), 0.1);
-  EXPECT_TRUE(corners_in_amplitude(dataset::Image<float>(64, 16), kBoard).empty());
+}
+
+TEST(BoardExtrinsics, AnAmplitudePictureWithoutTheWholeBoardHasNoCorners) {
+  Gaussian random(4);
+  EXPECT_TRUE(corners_in_amplitude(dataset::Image<float>(64, 16), kBoard).empty());         // dark
+  EXPECT_TRUE(corners_in_amplitude(dataset::Image<float>(64, 16, 90.0F), kBoard).empty());  // lit
+  const test::PlaneCamera camera(kPmd);
+  const PoseUnknowns cut = test::board_at(kBoard, Vector3(0.45, 0, 1.1), Vector3(0.3, 0.2, 0.1));
+  const dataset::Image<std::uint8_t> grey =
+      camera.picture(cut, test::chessboard(kBoard), 1, random);
+  dataset::Image<float> amplitude(grey.width, grey.height);
+  std::ranges::copy(grey.pixels, amplitude.pixels.begin());
+  EXPECT_TRUE(corners_in_amplitude(amplitude, kBoard).empty());
 }
 
 }  // namespace

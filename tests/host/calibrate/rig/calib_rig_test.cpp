@@ -4,11 +4,13 @@
 #include <numbers>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "dataset/dataset.h"
 #include "dataset/files/file.h"
 #include "dsp/calib/pmd/ray_table.h"
 #include "host/calibrate/calibration_store.h"
+#include "host/calibrate/rig/check/rig_check.h"
 #include "host/calibrate/rig/planes/converging_model.h"
 #include "host/cli/failure.h"
 #include "tests/dataset/scratch.h"
@@ -49,6 +51,29 @@ class CalibRig : public ::stof::test::Scratch {
     }
     ADD_FAILURE() << "not refused";
     return {};
+  }
+
+  // What `stof calib check --json` prints of the views, and whether it is advised anything.
+  nlohmann::json check_json(const char* calibration, bool fits) const {
+    const CalibFolderOptions options{
+        .folder = views(), .calibration = file(calibration), .json = true};
+    testing::internal::CaptureStdout();
+    std::string refusal;
+    if (fits) {
+      calib_check(options);
+    } else {
+      refusal = refused(Exit::kFailure, [&] { calib_check(options); });
+    }
+    const nlohmann::json said = nlohmann::json::parse(testing::internal::GetCapturedStdout());
+    EXPECT_EQ(said.size(), 5U) << said;
+    EXPECT_EQ(said.at("folder"), views().string());
+    EXPECT_EQ(said.at("calibration"), file(calibration).string());
+    EXPECT_EQ(said.at("advice").empty(), fits) << said;
+    if (!fits) {
+      EXPECT_EQ(refusal,
+                file(calibration).string() + ": " + said.at("advice").at(0).get<std::string>());
+    }
+    return said;
   }
 
   std::filesystem::path views() const { return folder() / "views"; }
@@ -243,6 +268,10 @@ TEST_F(CalibRigWalls, TiltedWallsTellWhereThePmdCameraIs) {
                     [&] { calib_check({.folder = views(), .calibration = file("start.cal")}); })
                 .find("the sensors disagree"),
             std::string::npos);
+  const nlohmann::json fits = check_json("rig.cal", true);
+  EXPECT_LT(std::abs(fits.at("depths").at("median_mm").get<double>()), kLargestDepthMm);
+  EXPECT_GT(fits.at("depths").at("spread_mm"), 0);
+  EXPECT_GT(fits.at("depths").at("points"), 100);
 }
 
 TEST_F(CalibRigWalls, WallsThatAllStandAlikeAreRefusedWithTheTiltThatIsMissing) {
@@ -268,6 +297,9 @@ TEST_F(CalibRigWalls, CheckSaysThatRowsDoNotCorrespond) {
                     [&] { calib_check({.folder = views(), .calibration = file("rig.cal")}); })
                 .find("rows do not correspond"),
             std::string::npos);
+  const nlohmann::json said = check_json("rig.cal", false);
+  EXPECT_NEAR(std::abs(said.at("rows").at("median_px").get<double>()), 2, 0.3) << said;
+  EXPECT_TRUE(said.at("depths").is_null()) << said;
 }
 
 TEST_F(CalibRig, CheckRectifiesARawPair) {
@@ -284,6 +316,27 @@ TEST_F(CalibRig, CheckRectifiesARawPair) {
   testing::internal::CaptureStdout();
   calib_check({.folder = views(), .calibration = file("rig.cal")});
   EXPECT_NE(testing::internal::GetCapturedStdout().find("nothing to do"), std::string::npos);
+  const nlohmann::json said = check_json("rig.cal", true);
+  const nlohmann::json& rows = said.at("rows");
+  EXPECT_GT(rows.at("points"), 20);
+  for (const char* const name : {"median_px", "rms_px", "slope_px"}) {
+    EXPECT_LT(std::abs(rows.at(name).get<double>()), kLargestRowPx) << name;
+  }
+  EXPECT_TRUE(said.at("depths").is_null()) << said;
+}
+
+TEST_F(CalibRig, CheckPrintsNoJsonOfWhatItCannotRead) {
+  dsp::Calibration rig;
+  rig.stereo.raw = true_pair();
+  ASSERT_STREQ(dsp::complete(rig.stereo), "");
+  ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
+  testing::internal::CaptureStdout();
+  for (const char* const calibration : {"rig.cal", "none.cal"}) {  // neither folder nor file
+    refused(Exit::kBadInput, [&] {
+      calib_check({.folder = views(), .calibration = file(calibration), .json = true});
+    });
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
 }
 
 TEST_F(CalibRig, WhatIsExportedIsImportedAgain) {

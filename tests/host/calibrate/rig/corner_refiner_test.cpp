@@ -133,5 +133,24 @@ TEST(CornerRefiner, LeavesWhatIsNoCornerAsItIs) {
   EXPECT_EQ(seen_corners(few), 0U);
 }
 
+TEST(CornerRefiner, FitsThoseThatAreAskedForAsItFitsAll) {
+  Gaussian random(5);
+  const Board board = named("9x6:0.04");
+  const PoseUnknowns pose = board_at(board, Vector3(0, 0, 0.5), Vector3(0.1, 0.1, 0));
+  const dataset::Image<std::uint8_t> picture = camera().picture(pose, texture_of(board), 2, random);
+  const std::vector<PixelPoint> given =
+      begun(test::seen_by(camera().lens(), pose, board, 0, random), random);
+  std::vector<PixelPoint> all = given;
+  EXPECT_EQ(std::ranges::count(refine_corners(picture, board, all), true), board.corners());
+  std::vector<PixelPoint> some = given;
+  std::vector<bool> asked(given.size());
+  asked[7] = asked[30] = true;
+  EXPECT_EQ(refine_corners(picture, board, some, asked), asked);
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const PixelPoint& wanted = asked[i] ? all[i] : given[i];
+    EXPECT_TRUE(some[i].u == wanted.u && some[i].v == wanted.v) << i;
+  }
+}
+
 }  // namespace
 }  // namespace stof::host

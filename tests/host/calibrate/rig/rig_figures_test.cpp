@@ -152,8 +152,9 @@ TEST_F(RigFigures, ViewsOfABoardAndThePairThatIsRectifiedByThem) {
 }
 
 // Boards with markers, as `stof calib target` prints them.
-TEST_F(RigFigures, ViewsOfBoardsWithMarkers) {
-  for (const char* const name : {"charuco:12x9:0.04", "aprilgrid:6x5:0.07:0.3"}) {
+class RigFiguresOfMarkers : public RigFigures {
+ protected:
+  void calibrate(const char* name) const {
     const dataset::Loaded<Board> board = board_named(name);
     ASSERT_TRUE(board);
     const std::optional<BoardPicture> sheet = picture_of(*board);
@@ -173,9 +174,10 @@ TEST_F(RigFigures, ViewsOfBoardsWithMarkers) {
     figure(std::string(name) + ": focal lengths off by", errors.focal, 0.3, "percent");
     figure(std::string(name) + ": rotation off by", errors.turn, 0.03, "degrees");
     figure(std::string(name) + ": rows of truth points", errors.row_px, 0.1, "px");
-    std::filesystem::remove_all(set());
   }
-}
+};
+TEST_F(RigFiguresOfMarkers, ViewsOfACharucoBoard) { calibrate("charuco:12x9:0.04"); }
+TEST_F(RigFiguresOfMarkers, ViewsOfAnAprilGrid) { calibrate("aprilgrid:6x5:0.07:0.3"); }
 
 // The disparity that pictures rectified by `rig` really show, from what those of a perfect pair do.
 class TrueDisparity {

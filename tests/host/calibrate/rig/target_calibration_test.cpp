@@ -63,6 +63,24 @@ TEST(TargetCalibration, TwentyViewsWithATenthOfAPixelOfNoiseGiveTheRig) {
   EXPECT_LT(std::sqrt(turned), 0.03);
 }
 
+TEST(TargetCalibration, ItEndsAtTheStepAtWhichItIsAskedTo) {
+  const std::vector<PairView> views = waved(true_pair(), kBoard, 20, 0.1, 6);
+  int steps = 0;
+  ASSERT_TRUE(calibrate_target(as_found(views), {.board = kBoard}, [&] {
+    ++steps;
+    return false;
+  }));
+  EXPECT_GT(steps, 6);  // three fits of some steps each
+  for (const int last : {1, 2, steps}) {
+    int asked = 0;
+    const dataset::Loaded<TargetCalibration> found =
+        calibrate_target(as_found(views), {.board = kBoard}, [&] { return ++asked == last; });
+    ASSERT_FALSE(found) << last;
+    EXPECT_EQ(found.error().message, "stopped");
+    EXPECT_EQ(asked, last);
+  }
+}
+
 TEST(TargetCalibration, ViewsThatJudgeAreNotThoseThatReachACorner) {
   // Each fifth view is held into a corner: none of these may be missing in the fit.
   const dsp::RawPair truth = true_pair();
