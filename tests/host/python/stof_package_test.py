@@ -316,6 +316,7 @@ class Settings(WithSensor):
             sensor.set({"streams.parity": False, "streams": {"cloud_step": sensor.get()["streams"]["cloud_step"]}})
             self.assertFalse(sensor.get()["streams"]["parity"])
             self.one_line(stof.BadArgument, sensor.set, {"streams.parity.more": 1, "streams.parity": True}, holds="value")
+            sensor.set({"streams.parity": True})
             self.assertFalse(sensor.get(stof.Document.DEFAULTS)["streams"]["parity"])
             self.assertIn("properties", sensor.get(stof.Document.SCHEMA))
             error = self.one_line(stof.Refused, sensor.set, {"streams": {"depth": "foo"}}, holds="streams.depth: takes")

@@ -27,7 +27,7 @@ CONDITIONS = ("no frames, trigger lost, stereo lost, pmd lost, late, link lost, 
               " serial lost, serial full, settings unsaved, restart needed, flooded,"
               " settings fell back, stereo silent, stereo frozen, pmd silent, pmd frozen, pmd dark,"
               " settings dropped, connection replaced, no depth, settings changed, unpaired, keys lost, pairing, keys changed, stereo blind,"
-              " calibration changed, calibration dropped").split(", ")
+              " calibration changed, calibration dropped, release on trial").split(", ")
 SEVERITIES = ("info", "minor", "major", "critical")
 REACTIONS = ("none", "watch", "slow", "stop")
 DEFAULT_PORT = 7560
