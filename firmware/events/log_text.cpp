@@ -101,6 +101,22 @@ const char* sending_text(EventKind kind) noexcept {
              : "nobody can be reached at the destination, packets are dropped; sending goes on";
 }
 
+// Of one device, behind its name.
+const char* device_text(EventKind kind) noexcept {
+  switch (kind) {
+    case EventKind::kLost:
+      return " lost, trying to get it back";
+    case EventKind::kBack:
+      return " is back";
+    case EventKind::kSilent:
+      return " silent: it is there, but sends nothing that belongs to an edge";
+    case EventKind::kDark:
+      return " dark: its samples hold no light of its lamp";
+    default:
+      return ": frames are used again";
+  }
+}
+
 const char* key_text(EventKind kind) noexcept {
   switch (kind) {
     case EventKind::kKeyMade:
@@ -201,10 +217,11 @@ void describe(const Event& event, settings::PagedWriter& out) noexcept {
           << to_string(event.status);
       return;
     case EventKind::kLost:
-      out << part << " lost, trying to get it back";
-      return;
     case EventKind::kBack:
-      out << part << " is back";
+    case EventKind::kSilent:
+    case EventKind::kDark:
+    case EventKind::kSupplying:
+      out << part << device_text(event.kind);
       return;
     case EventKind::kSendFailed:
     case EventKind::kSending:
@@ -217,14 +234,8 @@ void describe(const Event& event, settings::PagedWriter& out) noexcept {
     case EventKind::kInTime:
       out << "in time again";
       return;
-    case EventKind::kSilent:
-      out << part << " silent: it is there, but sends nothing that belongs to an edge";
-      return;
     case EventKind::kFrozen:
       out << part << " frozen: " << frozen_text(event) << " comes again and again";
-      return;
-    case EventKind::kDark:
-      out << part << " dark: its samples hold no light of its lamp";
       return;
     case EventKind::kStandsOn:
       out << standing_text(event.value);
@@ -248,9 +259,6 @@ void describe(const Event& event, settings::PagedWriter& out) noexcept {
     case EventKind::kKeyEnded:
     case EventKind::kLastKeyEnded:
       write_key(event, out);
-      return;
-    case EventKind::kSupplying:
-      out << part << ": frames are used again";
       return;
   }
   out << "unknown event";
