@@ -28,12 +28,6 @@ constexpr std::size_t kSpareDescriptors = 8;
 constexpr std::size_t kMostWaiting = 64;        // connections that are no WebSocket
 constexpr std::size_t kHugePacket = 64U << 20;  // a frame is given to the socket at once
 
-// A request that is to be answered.
-struct Visit {
-  posix::Fd socket{};
-  PageOrigin origin{};
-};
-
 // One connection. libwebsockets keeps the pointer.
 struct Connection {
   std::unique_ptr<Conversation> conversation{};  // none: plain HTTP
@@ -96,6 +90,12 @@ const unsigned char* bytes_of(const char* text) noexcept {
 }  // namespace
 
 struct WebServer::Parts {
+  // A request that is to be answered.
+  struct Visit {
+    posix::Fd socket{};
+    PageOrigin origin{};
+  };
+
   explicit Parts(WebServerOptions all) : options(std::move(all)) {}
   ~Parts() {
     stopping = true;
