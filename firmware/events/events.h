@@ -42,7 +42,7 @@ enum class EventKind : std::uint8_t {
   kLastKeyEnded,        // the same: the sensor is unpaired
   kCalibrationChanged,  // value: fingerprint of the new one; former: of the one before; address
   kStandby,             // value: 1: it begins, 0: it has ended
-  kRelease,             // value: kRelease..., below; former: fingerprint of the release
+  kRelease,             // value: kRelease...; former: fingerprint of the release
 };
 
 struct Event {

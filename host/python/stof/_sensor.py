@@ -354,6 +354,8 @@ class Sensor:
 
     @staticmethod
     def _json(settings: typing.Mapping[str, typing.Any]) -> bytes:
+        if not isinstance(settings, typing.Mapping):
+            raise BadArgument(f"these settings are no JSON object: {type(settings).__name__}")
         try:
             return json.dumps(_nested(settings), allow_nan=False).encode()
         except (TypeError, ValueError) as error:

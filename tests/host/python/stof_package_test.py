@@ -328,6 +328,7 @@ class Settings(WithSensor):
             self.assertEqual((period.minimum, period.maximum, period.unit), (0, 60000, "ms"))
             self.one_line(stof.BadArgument, sensor.setting, "depth.moon", holds="no such setting")
             self.one_line(stof.BadArgument, sensor.set, {"a": {1, 2}})
+            self.one_line(stof.BadArgument, sensor.set, ["period_ms"], holds="no JSON object")
             self.one_line(stof.BadArgument, sensor.set, {"a": math.nan})
 
     def test_without_a_named_sensor_it_is_not_supported(self):
