@@ -397,6 +397,7 @@ def run(chosen, worker):
 
     prepared = {name: worker.submit(prepare, name) for name in chosen if STEPS[name].prepare}
     total = Count()
+    failures = []  # once more at the end, where people and excerpts of long runs look
     for name in chosen:
         log = logs[name]
         begin = time.monotonic()
@@ -409,10 +410,13 @@ def run(chosen, worker):
         for note in count.notes + skip_lines(count.skips):
             print(f"    {note}")
         if count.failed:
-            print("\n".join(count.details[:CASES_SHOWN]) or log.excerpt())
-            print(f"    (all of it in {log.path.relative_to(ROOT)})", flush=True)
+            said = "\n".join(count.details[:CASES_SHOWN]) or log.excerpt()
+            print(f"{said}\n    (all of it in {log.path.relative_to(ROOT)})", flush=True)
+            failures += [f"{name}: {note}" for note in count.notes or ["failed"]] + said.splitlines()[-CASE_LINES:]
     if total.skipped:
         print(f"{total.skipped} skipped, each with its reason above")
+    if failures:
+        print("\n".join(["what failed, and the end of what it said:", *failures]))
     print(f"{total.passed} passed, {total.failed} failed")
     return 1 if total.failed else 0
 

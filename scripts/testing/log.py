@@ -60,6 +60,8 @@ class Log:
             with subprocess.Popen((*(aside() if self.aside else ()), *command), cwd=ROOT, stdin=subprocess.DEVNULL,
                                   stdout=log, stderr=subprocess.STDOUT, start_new_session=True) as process:
                 _running.add(process)
+                if _ended.is_set():  # end_all() may have looked before we were listed
+                    _kill(process)
                 try:
                     return process.wait(LIMIT_S) == 0
                 except subprocess.TimeoutExpired:

@@ -90,19 +90,29 @@ class PreparationTest(unittest.TestCase):
         unbuilt = test_steps.Step(lambda log, built: test_steps.Count(failed=not built, details=["it"]), lambda log: False)
         code, said = self.steps(unbuilt=unbuilt, other=test_steps.ahead(lambda log: test_steps.Count(passed=1)))
         self.assertEqual((code, said.splitlines()[-1]), (1, "1 passed, 1 failed"))
+        self.assertEqual(said.splitlines()[-4:-1], ["what failed, and the end of what it said:", "unbuilt: failed", "it"])
 
 
 class EndTest(unittest.TestCase):
-    def test_what_runs_aside_ends_with_the_run(self):
+    PROGRAM = ("import sys, threading\nsys.path.insert(0, sys.argv[1])\nimport log, pathlib, subprocess\n"
+               "log.LOGS = pathlib.Path(sys.argv[2])\nstep = log.Log('it')\nstep.aside = True\n{before}"
+               "other = threading.Thread(target=step.run, args=('sh', '-c', 'echo begun; sleep 600'))\nother.start()\n"
+               "{meanwhile}other.join()\nprint(step.run('true'))\n")
+
+    def ended(self, **parts):
         with tempfile.TemporaryDirectory() as folder:
-            program = ("import sys, threading\nsys.path.insert(0, sys.argv[1])\nimport log, pathlib\n"
-                       "log.LOGS = pathlib.Path(sys.argv[2])\nstep = log.Log('it')\nstep.aside = True\n"
-                       "other = threading.Thread(target=step.run, args=('sh', '-c', 'echo begun; sleep 600'))\nother.start()\n"
-                       "while 'begun' not in step.lines(): pass\nlog.end_all()\nother.join()\n"
-                       "print(step.run('true'))\n")
-            ended = subprocess.run([sys.executable, "-B", "-c", program, str(test_steps.ROOT / "scripts" / "testing"), folder],
-                                   capture_output=True, text=True, timeout=300, check=False)
-            self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (0, "False\n", ""))
+            program = subprocess.run(
+                [sys.executable, "-B", "-c", self.PROGRAM.format(**parts), str(test_steps.ROOT / "scripts" / "testing"), folder],
+                capture_output=True, text=True, timeout=300, check=False)
+            self.assertEqual((program.returncode, program.stdout, program.stderr), (0, "False\n", ""))
+
+    def test_what_runs_aside_ends_with_the_run(self):
+        self.ended(before="", meanwhile="while 'begun' not in step.lines(): pass\nlog.end_all()\n")
+
+    def test_what_begins_while_the_run_ends_ends_too(self):
+        self.ended(before=("log.aside()\nbegin = subprocess.Popen\n"
+                           "def late(*command, **how):\n    log.end_all()\n    return begin(*command, **how)\n"
+                           "subprocess.Popen = late\n"), meanwhile="")
 
 
 class SkipsTest(unittest.TestCase):
