@@ -83,8 +83,8 @@ class Pairing(Panels):
 
     def digits(self, sensor, number):
         """Of that attempt, as the sensor tells them."""
-        await_("digits", lambda: len(re.findall(r"the digits are (\d{3} \d{3})\.", sensor.text())) >= number)
-        return re.findall(r"the digits are (\d{3} \d{3})\.", sensor.text())[number - 1]
+        await_("digits", lambda: len(re.findall(r"the digits are (\d{3} \d{3}),", sensor.text())) >= number)
+        return re.findall(r"the digits are (\d{3} \d{3}),", sensor.text())[number - 1]
 
     def test_a_page_pairs_by_button_and_digits_and_sees_no_key(self):
         sensor = self.sensor()
