@@ -113,10 +113,6 @@ void ControlServices::publish_status() noexcept {
   published_.calibration_dropped.store(static_cast<std::uint32_t>(installer_.dropped()),
                                        std::memory_order_relaxed);
   published_.paired.store(parts_.keys.pairing(), std::memory_order_relaxed);
-  const std::uint32_t over = parts_.pairing.is_done() ? kPairingDone : kPairingClosed;
-  const std::uint32_t open = parts_.pairing.is_open() ? kPairingOpen : over;
-  const std::optional<std::uint32_t> digits = parts_.pairing.digits();
-  published_.pairing.store(digits ? kPairingTold + *digits : open, std::memory_order_relaxed);
   // New settings and a new release are proven by frames.
   const bool proving = parts_.trial != nullptr && !parts_.trial->proven() &&
                        settings_server_.saved_in_force() != nullptr;
@@ -275,7 +271,6 @@ ControlStatus ControlServices::status(const SerialSender::Counters& made) const 
   const keys::Pairing paired = published_.paired.load(std::memory_order_relaxed);
   status.unpaired = paired == keys::Pairing::kUnpaired;
   status.keys_lost = paired == keys::Pairing::kLost;
-  status.pairing = published_.pairing.load(std::memory_order_relaxed);
   status.keep_awake = published_.keep_awake.load(std::memory_order_relaxed);
   status.release = published_.release.load(std::memory_order_acquire);
   status.release_fingerprint = published_.release_fingerprint.load(std::memory_order_relaxed);

@@ -128,7 +128,6 @@ class ControlServices final : public settings::Limits,
     std::atomic<std::uint32_t> dropped = 0;
     std::atomic<std::uint32_t> calibration_dropped = 0;
     std::atomic<keys::Pairing> paired = keys::Pairing::kUnpaired;
-    std::atomic<std::uint32_t> pairing = kPairingClosed;
     std::atomic<std::uint32_t> release = kNoRelease;
     std::atomic<std::uint32_t> release_fingerprint = 0;
     std::atomic<bool> keep_awake = false;

@@ -1261,7 +1261,7 @@ class PairAnswer(Layout):
     attempt: int = 0  # random, for the steps that follow
     key_id: int = 0  # of the key that comes of it
     # of begin: the sensor's public key; of reveal and confirm: begins with a tag of the sensor; of
-    # open and accept with `waiting`: begins with the six digits (u32)
+    # open and accept with `waiting`: what is asked for, see below
     value: tuple = (0,) * 32
     nonce: tuple = (0,) * 16  # of begin: the sensor's
 

@@ -329,9 +329,11 @@ int WebServer::Parts::on_connected(lws* wsi, Slot& slot) {
   if (spoken == options.subprotocols.end()) {
     return -1;
   }
-  slot.connection = new Connection{
-      // NOLINT
-      .conversation = spoken->open_conversation(judge_page(options.rules, page, geteuid()))};
+  slot.connection = new Connection{// NOLINT
+                                   .conversation = spoken->open_conversation(
+                                       {.change = judge_page(options.rules, page, geteuid()),
+                                        .pair = judge_pairing(page, geteuid()),
+                                        .place = place_of(page)})};
   ++pages;
   return 0;
 }
