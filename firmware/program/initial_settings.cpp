@@ -171,6 +171,23 @@ void open_records(records::RecordDisk& disk, InitialSettings& initial) {
   initial.damaged_keys = store(Document::kDamagedKeys);
 }
 
+// What became of them is said in a line; what is lost, by whoever reads it.
+void mend_records(records::RecordDisk& disk, const std::string& name) {
+  const bool mended = disk.mend() == Status::kOk;
+  if (disk.cut_off()) {
+    print_line(name +
+               ": it has become smaller: what is left of what is kept there is read, and nothing "
+               "saved, until it has its size again");
+  } else if (disk.moved()) {
+    print_line(name + ": its size has changed: what is kept there stays where it is");
+  }
+  if (!mended && !disk.cut_off()) {
+    print_line(name +
+               ": some of what is kept there is lost or cannot be read, or nothing be written: "
+               "write the card again");
+  }
+}
+
 // Empty, or which flag takes what.
 std::string open_stores(const Options& options, InitialSettings& initial) {
   if (options.records.empty()) {
@@ -181,16 +198,17 @@ std::string open_stores(const Options& options, InitialSettings& initial) {
     return "--records: takes the place of --settings and --keys: leave them out";
   }
   Result<std::unique_ptr<hal::Disk>> disk = board::make_disk(options.records);
-  if (!disk || (*disk)->bytes() < records::kRecordsBytes) {
-    return options.records + ": --records takes a partition of 12 MiB at least, or such a file";
+  const std::string too_small =
+      options.records + ": --records takes a partition of 12 MiB at least, or such a file";
+  if (!disk) {
+    return too_small;
   }
   initial.disk = std::move(*disk);
   initial.records = std::make_unique<records::RecordDisk>(*initial.disk);
-  if (initial.records->mend() != Status::kOk) {
-    print_line(options.records +
-               ": some of what is kept there cannot be read, or nothing be written: write the card "
-               "again");
+  if (initial.disk->bytes() < records::kRecordsBytes && !initial.records->found()) {
+    return too_small;
   }
+  mend_records(*initial.records, options.records);
   open_records(*initial.records, initial);
   return {};
 }
