@@ -229,7 +229,7 @@ std::string open_stores(const Options& options, InitialSettings& initial) {
     return "--records: takes the place of --settings and --keys: leave them out";
   }
   Result<std::unique_ptr<hal::Disk>> disk = board::make_disk(options.records);
-  const std::string too_small =
+  std::string too_small =
       options.records + ": --records takes a partition of 12 MiB at least, or such a file";
   if (!disk) {
     return too_small;

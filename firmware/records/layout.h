@@ -81,7 +81,7 @@ struct Directory {
 
 Sector write_directory(const Directory& directory) noexcept;
 // Any bytes. None: no directory, or damaged.
-std::optional<Directory> read_directory(const Sector& bytes) noexcept;
+std::optional<Directory> read_directory(const Sector& sector) noexcept;
 
 // Of a disk that is new or erased.
 bool is_blank(const Sector& bytes) noexcept;

@@ -43,8 +43,8 @@ struct Kept {
 };
 
 const Kept& kept() {
-  static const Kept kKept;
-  return kKept;
+  static const Kept all_of_it;
+  return all_of_it;
 }
 
 constexpr Read kLost{.bytes = {}, .lost = true};
@@ -83,7 +83,7 @@ void damage_directory(Bytes& content, std::size_t area, const Damage& damage) {
 }
 
 const std::vector<Marks>& marks() {
-  static const std::vector<Marks> kMarks{
+  static const std::vector<Marks> all_marks{
       {"whole", [](Bytes&) {}},
       {"zeros in one", [](Bytes& content) { damage_directory(content, 0, {"", zero}); }},
       {"flipped in the other", [](Bytes& content) { damage_directory(content, 1, {"", flip}); }},
@@ -100,7 +100,7 @@ const std::vector<Marks>& marks() {
          damage_directory(content, 1, {"", flip});
        },
        false}};
-  return kMarks;
+  return all_marks;
 }
 
 // Starts twice, pairs anew, and looks again.
