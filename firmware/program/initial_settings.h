@@ -41,8 +41,13 @@ struct InitialSettings {
   settings::SettingsStores stores() const { return {*store, *good, *trial, fixed.get()}; }
 };
 
-// Opens the store where one is named. Error: one line, which flag takes what.
-std::expected<InitialSettings, std::string> read_settings(const Options& options);
+struct StartRefusal {
+  std::string message;  // one line
+  bool in_use = false;  // another program keeps something there; else which flag takes what
+};
+
+// Opens the store where one is named.
+std::expected<InitialSettings, StartRefusal> read_settings(const Options& options);
 
 // The keys that are kept there; says in a line what is wrong with them.
 void read_keys(const Options& options, keys::Keyring& ring);

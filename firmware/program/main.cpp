@@ -87,7 +87,8 @@ int help() {
   std::printf(
       "stofd: triggers the cameras, computes depth, sends it. One program, one board: "
       "%s.\n\n%.*s\nBoard %s:\n%.*s\n"
-      "Exit codes: 0 stopped as asked, 1 a device failed at start, 2 bad input, 3 and 4 the board "
+      "Exit codes: 0 stopped as asked, 1 a device failed at start, or another stofd has its files, "
+      "2 bad input, 3 and 4 the board "
       "shall restart, with 4 once from the other slot; nothing that was saved ends it.\n",
       board::kConfig.name, static_cast<int>(flags.size()), flags.data(), board::kConfig.name,
       static_cast<int>(board::usage().size()), board::usage().data());
@@ -396,7 +397,7 @@ int start_and_run(std::span<const std::string_view> arguments) {
   watch_signals();
   auto start = read_settings(*options);
   if (!start) {
-    return refuse(start.error());
+    return refuse(start.error().message, start.error().in_use ? kExitFailure : kExitBadInput);
   }
   const settings::Settings& active = start->active;
   const auto board =

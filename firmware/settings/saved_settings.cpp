@@ -72,6 +72,13 @@ std::optional<Settings> load_good(hal::Store& store, Limits* limits) noexcept {
   return load(store, limits, unused).settings;
 }
 
+// Something was saved there, also where it cannot be used any more.
+bool was_saved(hal::Store& store) noexcept {
+  std::array<std::byte, kMostFile> bytes;
+  const Result<std::optional<std::size_t>> loaded = store.load(bytes);
+  return !loaded || loaded->has_value();
+}
+
 // In place of the current settings, of which `why` says what is wrong.
 StartSettings replace(const SettingsStores& stores, std::string_view place, Limits* limits,
                       Dropped dropped, std::string_view why, PagedWriter& line) noexcept {
@@ -209,10 +216,10 @@ StartSettings load_settings(const SettingsStores& stores, std::string_view place
     if (current.dropped != Dropped::kNot) {
       return replace(stores, place, limits, current.dropped, why.text(), line);
     }
-    const bool was_saved = load_good(stores.good, limits).has_value() ||
-                           (stores.fixed != nullptr && load_fixed(*stores.fixed).has_value());
-    return was_saved ? replace(stores, place, limits, Dropped::kMissing, "missing", line)
-                     : StartSettings{};
+    const bool missing =
+        was_saved(stores.good) || (stores.fixed != nullptr && was_saved(*stores.fixed));
+    return missing ? replace(stores, place, limits, Dropped::kMissing, "missing", line)
+                   : StartSettings{};
   }
   StartSettings start{.settings = *current.settings, .fell_back = !why.text().empty()};
   bool counted = true;

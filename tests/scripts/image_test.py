@@ -105,6 +105,7 @@ class Records(InFolder):
             self.assertEqual(records.newest(file, "settings"), (1, b'{"name": "front"}'))
             self.assertEqual([records.read(file, area, "calibration").data for area in range(2)], [bytes(100_000)] * 2)
             self.assertIsNone(records.newest(file, "keys"))
+            self.assertEqual([records.listed(file, area) for area in range(2)], [{"settings": 1, "calibration": 1}] * 2)
             file.seek(records.AREAS[1])
             file.write(records.record("settings", b"new", 2))
             self.assertEqual(records.newest(file, "settings"), (2, b"new"))

@@ -334,6 +334,21 @@ TEST(SavedSettings, WhereNobodyKnowsWhatWasFixedTheStrictestHolds) {
   }
 }
 
+// Settings that are gone, and limits that cannot be read any more, are no sensor that is new.
+TEST(SavedSettings, MissingOnesBesideLimitsThatAreDamagedAreTold) {
+  Medium medium;
+  hal::emu::Store fixed;
+  std::array<char, 320> space;
+  PagedWriter line(space);
+  const SettingsStores stores{medium.current, medium.good, medium.trial, &fixed};
+  EXPECT_EQ(load_settings(stores, "x.json", nullptr, line).dropped, Dropped::kNot);
+  put(fixed, "{");
+  const StartSettings started = load_settings(stores, "x.json", nullptr, line);
+  EXPECT_EQ(started.dropped, Dropped::kMissing);
+  EXPECT_TRUE(started.strictest);
+  EXPECT_EQ(started.settings.limits.streams, StreamLimit::kFixed);
+}
+
 TEST(SettingsTrial, AnEndThatWasAskedForIsNoFailedStart) {
   Medium medium;
   const Settings a = named("a");
