@@ -300,11 +300,11 @@ dataset::Loaded<TargetViews> find_views(const std::filesystem::path& folder,
     found.width = pair->left.width;
     found.height = pair->left.height;
     PairView view{.name = pair->name, .left = {}, .right = {}};
-    std::string why;
-    view.left = corners_of(pair->left, "left", options, found.left_seen, why);
-    if (why.empty()) {
-      view.right = corners_of(pair->right, "right", options, found.right_seen, why);
-    }
+    std::string why_left;
+    std::string why_right;
+    view.left = corners_of(pair->left, "left", options, found.left_seen, why_left);
+    view.right = corners_of(pair->right, "right", options, found.right_seen, why_right);
+    const std::string& why = why_left.empty() ? why_right : why_left;
     if (!why.empty()) {
       found.refused.push_back({view.name, why});
     } else if (view.left.empty() && view.right.empty()) {

@@ -147,7 +147,7 @@ Scatter scatter_of(const dataset::Image<std::uint8_t>& clean, const Board& board
 TEST(CornerRefiner, TellsHowCertainEachCornerIs) {
   Gaussian random(8);
   for (const auto& [name, noise] : {std::pair("9x6:0.04", 5.0), std::pair("9x6:0.04", 10.0),
-                                    std::pair("charuco:9x6:0.04", 20.0)}) {
+                                    std::pair("charuco:9x6:0.04", 10.0)}) {
     const Board board = named(name);
     const PoseUnknowns pose = board_at(board, Vector3(0, 0, 0.5), Vector3(0.5, 0.4, 0.1));
     const std::vector<PixelPoint> truth = test::seen_by(camera().lens(), pose, board, 0, random);
