@@ -110,6 +110,11 @@ std::string check_files(const Options& options) {
   if (!options.records.empty()) {
     named.push_back({"--records", options.records});
   }
+  for (const std::string& file : {options.network, options.network_done}) {
+    if (!file.empty()) {
+      named.push_back({file == options.network ? "--network" : "--network-done", file});
+    }
+  }
   if (!options.port_file.empty()) {
     named.push_back({"--port-file", options.port_file});
   }
@@ -218,6 +223,9 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
   if (std::string why = check_files(options); !why.empty()) {
     return std::unexpected(std::move(why));
   }
+  if (options.network.empty() != options.network_done.empty()) {
+    return std::unexpected("--network and --network-done: one takes the other beside it");
+  }
   InitialSettings initial;
   if (!keys_file(options).empty() || !options.records.empty() || !options.label.empty()) {
     board::keep_memory_private();
@@ -265,6 +273,18 @@ InstalledCalibration read_installed(const Options& options, const InitialSetting
     installed.unreadable = true;
   }
   return installed;
+}
+
+void begin_network(const Options& options, InitialSettings& initial) {
+  if (options.network.empty()) {
+    return;
+  }
+  initial.network_wanted = board::make_store(options.network);
+  initial.network_done = board::make_store(options.network_done);
+  initial.network.emplace(*initial.network_wanted, *initial.network_done);
+  if (!initial.network->begin(initial.active.network)) {
+    print_line(options.network + ": cannot be written: no address is set");
+  }
 }
 
 void drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& initial) {

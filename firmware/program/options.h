@@ -30,6 +30,8 @@ struct Options {
   std::string keys;             // file; empty: SETTINGS.keys, or without settings nothing is kept
   std::string records;          // partition with records in place of those files; empty: none
   std::string label;            // file with the label's code; empty: there is none
+  std::string network;          // file that gets network.*; empty: the network is not ours
+  std::string network_done;     // and gets the same when they are carried out
   std::string to;               // HOST:PORT that gets packets without asking; empty: none
   std::string slots;            // common name of the disk's partitions; empty: no updates
   std::string slot = "a";       // that this start came from
