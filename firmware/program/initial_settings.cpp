@@ -9,6 +9,7 @@
 
 #include "board/serial_lines.h"
 #include "firmware/events/event_printer.h"
+#include "firmware/settings/fields/document.h"
 #include "firmware/settings/text/as_text.h"
 #include "firmware/wire/keys/key_text.h"
 
@@ -115,6 +116,9 @@ std::string check_files(const Options& options) {
       named.push_back({file == options.network ? "--network" : "--network-done", file});
     }
   }
+  if (!options.first_settings.empty()) {
+    named.push_back({"--first-settings", options.first_settings});
+  }
   if (!options.port_file.empty()) {
     named.push_back({"--port-file", options.port_file});
   }
@@ -176,6 +180,28 @@ void open_records(records::RecordDisk& disk, InitialSettings& initial) {
   initial.damaged_keys = store(Document::kDamagedKeys);
 }
 
+// What was put on the card before the first start.
+void take_first_settings(const Options& options, const InitialSettings& initial) {
+  if (options.first_settings.empty()) {
+    return;
+  }
+  std::array<std::byte, settings::kMostDocumentBytes> bytes{};
+  const Result<std::optional<std::size_t>> read =
+      board::make_store(options.first_settings)->load(bytes);
+  if (!read) {
+    print_line(options.first_settings + ": cannot be read, or is longer than " +
+               std::to_string(bytes.size()) + " bytes: none of it is taken");
+  }
+  if (!read || !*read) {
+    return;
+  }
+  std::array<char, kLineBytes> space{};
+  settings::PagedWriter line(space);
+  settings::save_first(initial.stores(), settings::as_text(std::span(bytes).first(**read)),
+                       options.first_settings, line);
+  say(line);
+}
+
 // Empty, or which flag takes what.
 std::string open_stores(const Options& options, InitialSettings& initial) {
   if (options.records.empty()) {
@@ -234,6 +260,7 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
     return std::unexpected(std::move(why));
   }
   if (initial.store != nullptr) {
+    take_first_settings(options, initial);
     std::array<char, kLineBytes> space{};
     settings::PagedWriter line(space);
     initial.saved = settings::load_settings(initial.stores(), place_of(options), nullptr, line);

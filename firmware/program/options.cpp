@@ -140,6 +140,8 @@ bool take_appliance_value(std::string_view flag, std::string_view value, Options
     wrong = take_word(flag, value, "usual", "trial", options.restart);
   } else if (flag == "--update-keys") {
     wrong = take_text(flag, value, options.update_keys);
+  } else if (flag == "--first-settings") {
+    wrong = take_text(flag, value, options.first_settings);
   } else if (flag == "--network") {
     wrong = take_text(flag, value, options.network);
   } else if (flag == "--network-done") {
@@ -308,6 +310,7 @@ std::string options_usage() {
       "  --which-slot WHICH   print the slot of --slots that a start takes, usual or trial, and "
       "end\n"
       "  --restart WHICH      restart the board, usual, or trial: once with the other slot\n"
+      "  --first-settings FILE  are saved where none ever were\n"
       "  --network FILE       gets the settings network.*, for a program that may set addresses\n"
       "  --network-done FILE  where that program leaves what it has carried out\n"
       "  --set PATH=VALUE     any setting, such as streams.depth=raw; docs/SETTINGS.md has them "

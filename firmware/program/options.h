@@ -27,6 +27,7 @@ struct Options {
   std::uint64_t frames = 0;     // stop after so many; 0: never
   std::string calibration;      // file; empty: the board's own
   std::string settings;         // file; empty: nothing is kept
+  std::string first_settings;   // file, for a sensor that never saved any; empty: none
   std::string keys;             // file; empty: SETTINGS.keys, or without settings nothing is kept
   std::string records;          // partition with records in place of those files; empty: none
   std::string label;            // file with the label's code; empty: there is none

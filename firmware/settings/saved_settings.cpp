@@ -87,6 +87,12 @@ StartSettings replace(const SettingsStores& stores, std::string_view place, Limi
   return start;
 }
 
+bool is_empty(hal::Store& store) noexcept {
+  std::array<std::byte, 1> space;
+  const Result<std::optional<std::size_t>> loaded = store.load(space);
+  return loaded && !*loaded;
+}
+
 bool is_fixed(const Field& field) noexcept {
   return field.group == "limits" || field.group == "network" ||
          (field.group == "serial" && field.name == "remote");
@@ -197,6 +203,25 @@ Status save_fixed(hal::Store& fixed, const Settings& settings) noexcept {
   }
   out << "}\n";
   return out.complete() ? fixed.save(std::as_bytes(std::span(out.text()))) : Status::kTooLarge;
+}
+
+void save_first(const SettingsStores& stores, std::string_view text, std::string_view place,
+                PagedWriter& line) noexcept {
+  if (!is_empty(stores.current) || !is_empty(stores.good) ||
+      (stores.fixed != nullptr && !is_empty(*stores.fixed))) {
+    return;
+  }
+  Settings settings;
+  std::array<char, kWhyBytes> space;
+  PagedWriter why(space);
+  line << place << ": ";
+  if (!parse(text, settings, why) || !usable(settings, nullptr, why)) {
+    line << why.text() << ": none of it is taken";
+  } else if (save_document(stores.current, settings) != Status::kOk) {
+    line << "cannot be saved: none of it is taken";
+  } else {
+    line << "taken as the first settings";
+  }
 }
 
 Status save_document(hal::Store& store, const Settings& settings) noexcept {

@@ -57,6 +57,12 @@ StartSettings load_settings(const SettingsStores& stores, std::string_view place
 StartSettings reload_settings(const SettingsStores& stores, std::string_view place, Limits& limits,
                               PagedWriter& line) noexcept;
 
+// A document that somebody put beside a sensor before its first start: where nothing was ever saved
+// it is saved now, as if he had done so. Any text, of some or all fields. `line`: that it was
+// taken, or why not; empty: something was saved before.
+void save_first(const SettingsStores& stores, std::string_view text, std::string_view place,
+                PagedWriter& line) noexcept;
+
 // What an installer fixed (limits.*, network.*, serial.remote), as it was saved last, into settings
 // that hold in place of the saved ones. false: that is not known: the line counts as remote, for
 // all but an admin the range, the period and the streams stay as they are, and the network is as

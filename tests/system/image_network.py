@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """tests/system/image_network.py: the addresses of the image are settings: changed over the network, kept or taken back.
 
-Flashes the image of scripts/image virt to a file, pairs with the label's code, and then, by stof config:
+Flashes the image of scripts/image virt to a file, puts settings.json on its boot partition, which the first start takes, pairs with
+the label's code, and then, by stof config:
 - a fixed address beside that of DHCP is saved, and kept over a restart of the board;
 - an address at which nobody reaches the sensor is taken back after a minute, and told;
-- what stands in the first settings of scripts/flash is there at the first start.
 QEMU's network leads to the address that its DHCP server gives, and to no other. Five minutes.
 """
 
 import argparse
+import json
 import pathlib
 import re
 import shutil
@@ -26,8 +27,11 @@ import initramfs
 import machine
 import rig as system_rig
 
+import disk  # of scripts/imaging, which initramfs names
+
 ROOT = initramfs.ROOT
 BY_DHCP = image_boot.BY_DHCP
+NAME = "front sensor"
 FIRST, KEPT, LOST = "192.168.7.2/24", "192.168.7.3/24", "192.168.9.9/24"
 PATIENCE_S = 180  # a minute of guest time on a busy machine
 
@@ -44,14 +48,25 @@ def wait_for(guest, word, count, timeout=PATIENCE_S):
         time.sleep(0.1)
 
 
+def flashed(image, card, calibration):
+    """Without first settings of scripts/flash; those that any computer can put there. What was said."""
+    with open(card, "wb") as file:
+        file.truncate(disk.SIZE)
+    done = subprocess.run([ROOT / "scripts" / "flash", image, card, "--yes", "--calibration", calibration,
+                           *(f"--option={word}" for word in system_rig.RIG_OPTIONS)], check=True, text=True, stdout=subprocess.PIPE)
+    settings = card.with_name("settings.json")
+    settings.write_text(json.dumps({"name": NAME, "network": {"address": FIRST, "hostname": "front-7"}}) + "\n")
+    disk.run(["mcopy", "-i", f"{card}@@{disk.BOOT.begin}", settings, "::settings.json"])
+    return done.stdout
+
+
 class Sensor:
     """A card in the machine without cameras, and its owner; started anew by start()."""
 
     def __init__(self, options, scene, image, work):
         self.work, self.card = work, work / "card.img"
         self.host_port = machine.free_udp_port()
-        said = image_boot.flashed(image, self.card, machine.free_udp_port(), FIRST, "--address", "dhcp", "--hostname", "front-7",
-                                  "--calibration", scene.calibration)
+        said = flashed(image, self.card, scene.calibration)
         self.code = work / "code"
         self.code.write_text(re.search(r"^((?:[0-9a-f]{4}-){7}[0-9a-f]{4})$", said, re.MULTILINE)[1].replace("-", ""))
         self.owner = image_update.Owner(options.programs, work, types.SimpleNamespace(host_port=self.host_port))
@@ -83,6 +98,7 @@ def first_start(sensor, guest, report):
     done = sensor.owner.run("pair", sensor.owner.place, "--code", f"@{sensor.code}", timeout=120)
     checks.check(done.returncode == 0, "not paired")
     reaches(sensor, report, "address of the first settings", FIRST)
+    report.figure("name of the first settings", sensor.config("get", "name").stdout.strip(), NAME, NAME in sensor.config("get", "name").stdout)
 
 
 def kept(sensor, guest, report):
