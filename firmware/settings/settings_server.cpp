@@ -298,7 +298,7 @@ Settings SettingsServer::to_save() const noexcept {
 }
 
 bool SettingsServer::confirm_network(const firmware::Requester& by, Settings& next,
-                                     PagedWriter& why) noexcept {
+                                     PagedWriter& why) const noexcept {
   if (by.access < Access::kAdmin) {
     next.network = saved_.network;
     return true;

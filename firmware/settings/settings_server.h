@@ -114,7 +114,8 @@ class SettingsServer final : public firmware::SettingsService {
   Result save(const firmware::Requester& by, PagedWriter& why) noexcept;
   // Whether a change of the network may be saved with `next`; without it, where another asks who
   // may not change it.
-  bool confirm_network(const firmware::Requester& by, Settings& next, PagedWriter& why) noexcept;
+  bool confirm_network(const firmware::Requester& by, Settings& next,
+                       PagedWriter& why) const noexcept;
   Result change(std::string_view json, const firmware::Requester& by, PagedWriter& why) noexcept;
   Result reset(const firmware::Requester& by, PagedWriter& why) noexcept;
   Result become(Settings next, const firmware::Requester& by, PagedWriter& why) noexcept;
