@@ -348,10 +348,10 @@ TEST(SavedSettings, DroppedOnesLeaveWhatAnInstallerFixed) {
 }
 
 TEST(SavedSettings, WhereNobodyKnowsWhatWasFixedTheStrictestHolds) {
-  for (const char* const record :
-       {"", "{", "{}", R"({"serial": {"remote": false}})",
-        R"({"name": "x", "serial": {"remote": false}, "limits": {"least_range_mm": 500, )"
-        R"("least_period_ms": 0, "most_period_ms": 1000, "streams": "none"}})"}) {
+  constexpr const char* kNamesMore =
+      R"({"name": "x", "serial": {"remote": false}, "limits": {"least_range_mm": 500, )"
+      R"("least_period_ms": 0, "most_period_ms": 1000, "streams": "none"}})";
+  for (const char* const record : {"", "{", "{}", R"({"serial": {"remote": false}})", kNamesMore}) {
     Medium medium;
     hal::emu::Store fixed;
     put(fixed, record);
@@ -366,6 +366,23 @@ TEST(SavedSettings, WhereNobodyKnowsWhatWasFixedTheStrictestHolds) {
     EXPECT_GT(started.settings.limits.least_period_ms, started.settings.limits.most_period_ms);
     EXPECT_NE(line.text().find("with the strictest limits"), std::string_view::npos) << line.text();
   }
+}
+
+// A version before the network's settings wrote it.
+TEST(SavedSettings, ARecordWithoutTheNetworkIsWhole) {
+  Medium medium;
+  hal::emu::Store fixed;
+  put(fixed,
+      R"({"serial": {"remote": false}, "limits": {"least_range_mm": 4000, "least_period_ms": 0, )"
+      R"("most_period_ms": 1000, "streams": "none"}})");
+  put(medium.current, "{");
+  std::array<char, 320> space;
+  PagedWriter line(space);
+  const StartSettings started =
+      load_settings({medium.current, medium.good, medium.trial, &fixed}, "x.json", nullptr, line);
+  EXPECT_FALSE(started.strictest) << line.text();
+  EXPECT_EQ(started.settings.limits.least_range_mm, 4000);
+  EXPECT_EQ(started.settings.network, NetworkSettings{});
 }
 
 TEST(SettingsTrial, AnEndThatWasAskedForIsNoFailedStart) {
