@@ -34,7 +34,7 @@ enum class EventKind : std::uint8_t {
   kDark,    // the same, because its samples hold no light of its lamp
   kSupplying,  // component: edges have its frames again
   kStandsOn,   // value: Sensors that the last frames in a row stand on, other ones than before
-  kSettingsChanged,  // value: who, as of the condition; address
+  kSettingsChanged,  // value: who, as of the condition; former: kNetwork...; address
   kPairing,     // value: kPairing... of event_values.h; with digits role and address: what is asked
                 // for
   kKeyMade,     // value: its id; role; address: whose

@@ -147,9 +147,16 @@ void write_change(const Event& event, settings::PagedWriter& out) noexcept {
     write_hexadecimal(event.former, 8, out);
     out << ", put there ";
   } else {
+    if (event.former == kNetworkTakenBack) {
+      out << "settings changed: network is as before, because nobody saved its change in time";
+      return;
+    }
     out << "settings changed ";
   }
   write_requester(event, out);
+  if (event.kind == EventKind::kSettingsChanged && event.former == kNetworkOnTrial) {
+    out << "; network is on trial";
+  }
 }
 
 void write_pairing(const Event& event, settings::PagedWriter& out) noexcept {

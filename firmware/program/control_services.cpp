@@ -36,6 +36,7 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
                         .store = parts.store,
                         .fixed = parts.fixed,
                         .changes = &parts.changes,
+                        .network = parts.network,
                         .fell_back = parts.saved.fell_back,
                         .dropped = parts.saved.dropped != settings::Dropped::kNot}),
       authenticator_(parts.keys),
@@ -169,6 +170,7 @@ void ControlServices::watch_update(hal::Time now) noexcept {
 void ControlServices::tick(hal::Time now) noexcept {
   watch_pairing(now);
   watch_update(now);
+  settings_server_.tick(now);
   subscribers_.drop_ended_keys(parts_.keys.keys());
   uploads_.drop_ended_keys(parts_.keys.keys());
   publish_status();
@@ -207,6 +209,11 @@ bool ControlServices::accepts(const settings::Settings& settings,
                               settings::PagedWriter& why) noexcept {
   if (parts_.board.replay != nullptr) {
     why << "this is a replay: settings and calibration are those of the recording";
+    return false;
+  }
+  if (parts_.network == nullptr && settings.network != settings_server_.active().network) {
+    why << "network: the addresses of this machine are its administrator's; in the image of "
+           "scripts/image they are settings";
     return false;
   }
   const auto& line = settings.serial.device;

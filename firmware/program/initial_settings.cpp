@@ -9,6 +9,7 @@
 
 #include "board/serial_lines.h"
 #include "firmware/events/event_printer.h"
+#include "firmware/settings/fields/document.h"
 #include "firmware/settings/text/as_text.h"
 #include "firmware/wire/keys/key_text.h"
 
@@ -110,6 +111,14 @@ std::string check_files(const Options& options) {
   }
   if (!options.records.empty()) {
     named.push_back({"--records", options.records});
+  }
+  for (const std::string& file : {options.network, options.network_done}) {
+    if (!file.empty()) {
+      named.push_back({file == options.network ? "--network" : "--network-done", file});
+    }
+  }
+  if (!options.first_settings.empty()) {
+    named.push_back({"--first-settings", options.first_settings});
   }
   if (!options.port_file.empty()) {
     named.push_back({"--port-file", options.port_file});
@@ -219,6 +228,28 @@ void mend_records(records::RecordDisk& disk, const std::string& name) {
   }
 }
 
+// What was put on the card before the first start.
+void take_first_settings(const Options& options, const InitialSettings& initial) {
+  if (options.first_settings.empty()) {
+    return;
+  }
+  std::array<std::byte, settings::kMostDocumentBytes> bytes{};
+  const Result<std::optional<std::size_t>> read =
+      board::make_store(options.first_settings)->load(bytes);
+  if (!read) {
+    print_line(options.first_settings + ": cannot be read, or is longer than " +
+               std::to_string(bytes.size()) + " bytes: none of it is taken");
+  }
+  if (!read || !*read) {
+    return;
+  }
+  std::array<char, kLineBytes> space{};
+  settings::PagedWriter line(space);
+  settings::save_first(initial.stores(), settings::as_text(std::span(bytes).first(**read)),
+                       options.first_settings, line);
+  say(line);
+}
+
 // Empty, or which flag takes what.
 std::string open_stores(const Options& options, InitialSettings& initial) {
   if (options.records.empty()) {
@@ -270,6 +301,10 @@ std::expected<InitialSettings, StartRefusal> read_settings(const Options& option
   if (std::string why = hold_files(options); !why.empty()) {
     return std::unexpected(StartRefusal{.message = std::move(why), .in_use = true});
   }
+  if (options.network.empty() != options.network_done.empty()) {
+    return std::unexpected(
+        StartRefusal{.message = "--network and --network-done: one takes the other beside it"});
+  }
   InitialSettings initial;
   if (!keys_file(options).empty() || !options.records.empty() || !options.label.empty()) {
     board::keep_memory_private();
@@ -278,6 +313,7 @@ std::expected<InitialSettings, StartRefusal> read_settings(const Options& option
     return std::unexpected(StartRefusal{.message = std::move(why)});
   }
   if (initial.store != nullptr) {
+    take_first_settings(options, initial);
     std::array<char, kLineBytes> space{};
     settings::PagedWriter line(space);
     initial.saved = settings::load_settings(initial.stores(), place_of(options), nullptr, line);
@@ -317,6 +353,18 @@ InstalledCalibration read_installed(const Options& options, const InitialSetting
     installed.unreadable = true;
   }
   return installed;
+}
+
+void begin_network(const Options& options, InitialSettings& initial) {
+  if (options.network.empty()) {
+    return;
+  }
+  initial.network_wanted = board::make_store(options.network);
+  initial.network_done = board::make_store(options.network_done);
+  initial.network.emplace(*initial.network_wanted, *initial.network_done);
+  if (!initial.network->begin(initial.active.network)) {
+    print_line(options.network + ": cannot be written: no address is set");
+  }
 }
 
 void drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& initial) {

@@ -11,6 +11,7 @@
 #include "firmware/program/options.h"
 #include "firmware/program/run_config.h"
 #include "firmware/records/record_disk.h"
+#include "firmware/settings/network_trial.h"
 #include "firmware/settings/saved_settings.h"
 #include "firmware/settings/settings.h"
 #include "hal/disk.h"
@@ -33,6 +34,10 @@ struct InitialSettings {
   std::unique_ptr<hal::Store> damaged_keys;
   // Beside the settings, NAME.calibration: the one that was put on the sensor.
   std::unique_ptr<hal::Store> calibration;
+  // Of --network and --network-done; empty: the network is not ours.
+  std::unique_ptr<hal::Store> network_wanted;
+  std::unique_ptr<hal::Store> network_done;
+  std::optional<settings::NetworkTrial> network;
   std::optional<keys::LabelCode> label;
   settings::StartSettings saved;
   settings::Settings active;
@@ -58,6 +63,9 @@ InstalledCalibration read_installed(const Options& options, const InitialSetting
 // Settings that were saved for another rig must not keep a sensor out of reach, not even together
 // with a command line: others hold. What is wrong then is the command line.
 void drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& initial);
+
+// Hands network.* to whoever sets the addresses, where there is somebody.
+void begin_network(const Options& options, InitialSettings& initial);
 
 // The command line names this setting: it is not what was saved.
 bool names(const Options& options, std::string_view path);

@@ -214,7 +214,7 @@ void run_rounds(Appliance& appliance, WatchdogFeeder& watchdog, const Options& o
 
 // Ends with the loop; the control thread before it. Returns the exit code.
 int run_loop(board::Board& board, const Options& options, RigInfo& rig, const board::Config& config,
-             const RunConfig& run_config, const InitialSettings& start, update::Updater& updater,
+             const RunConfig& run_config, InitialSettings& start, update::Updater& updater,
              posix::WorkerThreads& workers) {
   std::optional<settings::SettingsTrial> trial;
   if (start.store != nullptr) {
@@ -242,6 +242,7 @@ int run_loop(board::Board& board, const Options& options, RigInfo& rig, const bo
                                          .store = start.store.get(),
                                          .fixed = start.fixed.get(),
                                          .installed = start.calibration.get(),
+                                         .network = start.network ? &*start.network : nullptr,
                                          .updater = updater,
                                          .saved = start.saved,
                                          .trial = trial ? &*trial : nullptr,
@@ -325,6 +326,7 @@ int run(board::Board& board, const Options& options, InitialSettings start,
     print_line(note);
   }
   drop_unusable(*rig, options, start);
+  begin_network(options, start);
   // What the sensor runs with: --port, or a port that is taken, may have made it another one.
   start.active.udp_port = board.port.port();
   say_refusal(board::lock_memory());

@@ -845,7 +845,8 @@ class EventReport(Layout):
     value: int = 0  # depends on the condition
     at_ns: int = 0  # when, ns, clock of the header
     # of calibration changed: the fingerprint of the one before; of release on trial: the
-    # fingerprint of the release; else 0
+    # fingerprint of the release; of settings changed: 1 the network is on trial until an admin
+    # saves it, 2 it is as before, since nobody did, else 0; else 0
     former: int = 0
 
     LAYOUT: typing.ClassVar[tuple] = (

@@ -65,6 +65,10 @@ TEST(LogText, SaysWhatChanged) {
   EXPECT_EQ(text_of({.kind = EventKind::kSettingsChanged,
                      .address = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 192, 168, 1, 20}}),
             "settings changed by 192.168.1.20");
+  EXPECT_EQ(text_of({.kind = EventKind::kSettingsChanged, .former = kNetworkOnTrial}),
+            "settings changed over the serial line; network is on trial");
+  EXPECT_EQ(text_of({.kind = EventKind::kSettingsChanged, .former = kNetworkTakenBack}),
+            "settings changed: network is as before, because nobody saved its change in time");
   EXPECT_EQ(text_of({.kind = EventKind::kKeyEnded, .value = 0xA2B, .role = wire::Role::kAdmin}),
             "key 00000a2b, role admin, ended over the serial line");
   EXPECT_EQ(
