@@ -22,7 +22,7 @@ constexpr int kBeyondDoubt = 18;
 constexpr int kOutsideWeight = 9;
 constexpr int kRatioWeight = 12;
 constexpr int kLeastContrast = 7;  // a grey level for each pixel: noise
-constexpr int kBeyondWeight = 3;   // 16ths
+constexpr int kBeyondWeight = 2;   // 16ths
 constexpr int kBeforeWeight = 8;
 
 constexpr float kChanceShare = 8;         // of the range: agreement by chance is one in four
@@ -170,11 +170,15 @@ bool MatchEvidence::is_beyond_doubt(const Match& match, const MatchedView& view,
                                     const Support& support, bool outside) const noexcept {
   const int supported = support.count * kSupporters / std::max(support.there, 1);
   const int change = view.picture.empty() ? 0 : contrast(view.picture, match.x, match.y);
+  const int against =
+      support.missing + match.ratio / kRatioWeight + (log2_q4(kLeastContrast + change) * 7) / 32;
+  const int balance = supported + (outside ? kOutsideWeight : 0) + kBeyondDoubt - against;
+  constexpr int kMost = log2_q4(kFarthestBeyond);  // what edges can say
+  if (balance > kMost * kBeyondWeight / 16 || balance <= -kMost * kBeforeWeight / 16) {
+    return balance > 0;
+  }
   const int beyond = beyond_edge(view, {match.x, match.y, match.disparity.raw, most_of(match)});
-  const int against = support.missing + match.ratio / kRatioWeight +
-                      (log2_q4(kLeastContrast + change) * 7) / 32 +
-                      beyond * (beyond > 0 ? kBeyondWeight : kBeforeWeight) / 16;
-  return supported + (outside ? kOutsideWeight : 0) + kBeyondDoubt > against;
+  return balance > beyond * (beyond > 0 ? kBeyondWeight : kBeforeWeight) / 16;
 }
 
 MatchEvidence::Result MatchEvidence::judge(const Match& match,

@@ -28,6 +28,9 @@ struct SurfacePixel {
   int most;
 };
 
+// What beyond_edge() says is within log2_q4() of this, to either side of 0.
+inline constexpr int kFarthestBeyond = 128;
+
 // Whether a match lies beyond the edge of its surface. Blocks and paths carry something near over
 // what is beside it: then the edge that the picture shows lies between the match and its surface;
 // else where the matches end.

@@ -75,7 +75,7 @@ TEST(MatchEvidence, AnEdgeOfThePictureSpeaksForAMatchBeforeItAndAgainstOneBehind
     std::uint8_t ratio;
     MatchEvidence::Verdict verdict;
   };
-  for (const Case& one : {Case{36, 150, kKept}, Case{30, 40, kDoubtful}}) {
+  for (const Case& one : {Case{36, 150, kKept}, Case{30, 12, kDoubtful}}) {
     Scene scene;
     for (int y = 0; y < kHeight; ++y) {  // the surface ends at column 36
       std::ranges::fill(scene.view().row(y).subspan(36), Disparity::from_pixels(15));
