@@ -17,6 +17,27 @@ inline constexpr std::array<int, 2> kSupportRings{4, 8};
 // Calls visit(column, match) for the matches around (x, y), up to 16.
 template <typename Visit>
 void each_surrounding_match(ImageView<const Disparity> view, int x, int y, Visit visit) noexcept {
+  constexpr int kFarthest = kSupportRings.back();
+  const auto ask = [&visit](int column, Disparity match) noexcept {
+    if (match.valid()) {
+      visit(column, match);
+    }
+  };
+  if (x >= kFarthest && x + kFarthest < view.width() && y >= kFarthest &&
+      y + kFarthest < view.height()) {  // the picture has all of them
+    const Disparity* const here = &view.row(y)[index(x)];
+    for (const int step : kSupportRings) {
+      for (const Disparity* const row :
+           {here - step * view.stride(), here + step * view.stride()}) {
+        ask(x - step, row[-step]);
+        ask(x, row[0]);
+        ask(x + step, row[step]);
+      }
+      ask(x - step, here[-step]);
+      ask(x + step, here[step]);
+    }
+    return;
+  }
   for (const int step : kSupportRings) {
     for (const int row : {y - step, y, y + step}) {
       if (row < 0 || row >= view.height()) {
@@ -25,8 +46,8 @@ void each_surrounding_match(ImageView<const Disparity> view, int x, int y, Visit
       const std::span<const Disparity> matches = view.row(row);
       for (const int column : {x - step, x, x + step}) {
         const bool own = row == y && column == x;
-        if (!own && column >= 0 && column < view.width() && matches[index(column)].valid()) {
-          visit(column, matches[index(column)]);
+        if (!own && column >= 0 && column < view.width()) {
+          ask(column, matches[index(column)]);
         }
       }
     }
