@@ -44,7 +44,7 @@ void add_middle(const dataset::Image<std::uint16_t>& frame, const dsp::PmdSensor
       }
       sum.phasor += std::complex<double>(a[0] - a[2], a[3] - a[1]);
       ++sum.pixels;
-      sum.saturated += std::ranges::max(a) >= camera.saturation_lsb ? 1 : 0;
+      sum.saturated += std::ranges::max(a) >= camera.saturation_lsb ? 1U : 0U;
     }
   }
 }
