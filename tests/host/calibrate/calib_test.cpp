@@ -15,7 +15,7 @@ namespace {
 
 using test::record;
 using test::SimulatedCamera;
-using test::write_wall;
+using test::put_wall;
 
 class CalibPmd : public test::Scratch {
  protected:
