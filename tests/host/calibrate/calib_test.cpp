@@ -13,9 +13,9 @@
 namespace stof::host {
 namespace {
 
+using test::put_wall;
 using test::record;
 using test::SimulatedCamera;
-using test::put_wall;
 
 class CalibPmd : public test::Scratch {
  protected:

@@ -31,7 +31,7 @@ TEST_F(PmdFind, TellsKindsFromFilesAndFields) {
   test::put_wall(in("walls"), record(camera_, 1, 1, 1), ", \"camera_seed\": 3");
   test::put_wall(in("side"), record(camera_, 1, 1, 1), ", \"emitters\": [[0.1, 0, 0]]");
   test::put_wall(in("both"), record(camera_, 1, 1, 1),
-                   ", \"emitters\": [[0.1, 0, 0], [-0.1, 0, 0]]");
+                 ", \"emitters\": [[0.1, 0, 0], [-0.1, 0, 0]]");
   test::write_edge(in("edge"), "edge", camera_, Board{});
   host::WallRecording frequency = record(camera_, 3, 1, 1);
   frequency.name = "b";
