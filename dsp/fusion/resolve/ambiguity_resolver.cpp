@@ -21,9 +21,6 @@ namespace {
 
 // Of a part of the way between two matches: less than kSurfaceStep times as much fits int.
 constexpr int kPartBits = 20;
-constexpr int kJudgedStep = 12;  // 1/16 px
-// A step of disparity that an edge has at least, of the nearer parallax.
-constexpr int kCutShare = 20;
 
 template <typename Table>
 class AmbiguityResolver : private FusedPixels {
