@@ -19,10 +19,8 @@
 namespace stof::dsp {
 namespace {
 
-constexpr int kPartBits = 20;    // of the way between two matches; kSurfaceStep times it fits int
-constexpr int kJudgedStep = 12;  // 1/16 px
-// A step of disparity that an edge has at least, of the nearer parallax.
-constexpr int kCutShare = 20;
+// Of a part of the way between two matches: less than kSurfaceStep times as much fits int.
+constexpr int kPartBits = 20;
 
 template <typename Table>
 class AmbiguityResolver : private FusedPixels {
@@ -89,7 +87,9 @@ class AmbiguityResolver : private FusedPixels {
     std::size_t behind = 0;
     for (std::size_t x = open_.next(0, n); x < n; x = open_.next(behind, n)) {
       behind = open_.next_without(x, n);
-      OpenRun run{.begin = x, .end = behind};
+      OpenRun run;
+      run.begin = x;
+      run.end = behind;
       run.left_at = matched_.before(x);
       run.right_at = matched_.next(behind, n);
       run.left = run.left_at < x ? match_at(run.left_at) : Disparity::none();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <span>
 
 #include "dsp/base/fixed.h"
@@ -89,6 +90,28 @@ DepthRange surrounding_surfaces(ImageView<const Disparity> view, int x, int y,
     found.high = std::max<int>(found.high, beyond ? kMaxQuarterMm : at.high);
   });
   return found;
+}
+
+// The same where one disparity lies at one depth in every column: the least and the greatest of
+// them say it.
+inline DepthRange surrounding_surfaces(ImageView<const Disparity> view, int x, int y,
+                                       const DisparityTable& table) noexcept {
+  int least = std::numeric_limits<int>::max();
+  int greatest = std::numeric_limits<int>::min();
+  each_surrounding_match(view, x, y, [&](int /*column*/, Disparity match) noexcept {
+    least = std::min<int>(least, match.raw);
+    greatest = std::max<int>(greatest, match.raw);
+  });
+  if (greatest - table.first_raw >= table.size()) {  // not of this table
+    return surrounding_surfaces<DisparityTable>(view, x, y, table);
+  }
+  if (least > greatest) {
+    return {kMaxQuarterMm, 0};
+  }
+  const DepthInterval nearest = table.at(greatest, 0);
+  const DepthInterval farthest = table.at(least, 0);
+  return {nearest.high == 0 ? kMaxQuarterMm : nearest.low,
+          farthest.high == 0 ? kMaxQuarterMm : farthest.high};
 }
 
 }  // namespace stof::dsp

@@ -70,8 +70,11 @@ TEST(TargetCalibration, ItEndsAtTheStepAtWhichItIsAskedTo) {
     ++steps;
     return false;
   }));
-  EXPECT_GT(steps, 6);  // three fits of some steps each
-  for (const int last : {1, 2, steps}) {
+  // Three fits of some steps each. Rounding, which is not the same in each run, decides about the
+  // last steps of each: the same fit may need some fewer.
+  constexpr int kRounding = 4;
+  EXPECT_GT(steps, 6 + kRounding);
+  for (const int last : {1, 2, steps - kRounding}) {
     int asked = 0;
     const dataset::Loaded<TargetCalibration> found =
         calibrate_target(as_found(views), {.board = kBoard}, [&] { return ++asked == last; });
