@@ -114,6 +114,28 @@ std::string missing_rig(const dsp::Calibration& calibration) {
          "with the rig's calibration)\n";
 }
 
+// Of a live sensor, where its flags ask for it.
+void record_live_walls(const CalibPmdOptions& options, const StoredCalibration& start) {
+  if (options.live.on() == options.live.distances.empty()) {
+    throw Failure(
+        Exit::kBadInput,
+        "calib pmd: --live and --distances: are of walls before a live sensor: give both");
+  }
+  if (!options.live.on()) {
+    return;
+  }
+  if (start.calibration.pmd.lens.width == 0) {
+    throw Failure(Exit::kBadInput,
+                  (options.start.empty() ? "calib pmd: --live"
+                                         : options.start.string() + ": has no PMD camera") +
+                      std::string(": give --start with a file of this rig, such as its drawing, "
+                                  "that knows the PMD camera's lens"));
+  }
+  need_file(options.out, "--out");
+  record_pmd_walls(options.live, options.folder, options.start, start.calibration.pmd,
+                   options.json);
+}
+
 }  // namespace
 
 void calib_pmd(const CalibPmdOptions& options) {
@@ -121,23 +143,7 @@ void calib_pmd(const CalibPmdOptions& options) {
   if (!options.start.empty()) {
     start = value_or_fail(read_calibration(options.start));
   }
-  if (options.live.on() == options.live.distances.empty()) {
-    throw Failure(
-        Exit::kBadInput,
-        "calib pmd: --live and --distances: are of walls before a live sensor: give both");
-  }
-  if (options.live.on()) {
-    if (start.calibration.pmd.lens.width == 0) {
-      throw Failure(Exit::kBadInput,
-                    (options.start.empty() ? "calib pmd: --live"
-                                           : options.start.string() + ": has no PMD camera") +
-                        std::string(": give --start with a file of this rig, such as its drawing, "
-                                    "that knows the PMD camera's lens"));
-    }
-    need_file(options.out, "--out");
-    record_pmd_walls(options.live, options.folder, options.start, start.calibration.pmd,
-                     options.json);
-  }
+  record_live_walls(options, start);
   const Frames frames = frames_named(options.frames);
   WallFolder folder = value_or_fail(read_folder(options.folder, frames));
   const dsp::PmdSensor camera = camera_of(options, folder, start);
