@@ -102,11 +102,11 @@ inline DepthRange surrounding_surfaces(ImageView<const Disparity> view, int x, i
     least = std::min<int>(least, match.raw);
     greatest = std::max<int>(greatest, match.raw);
   });
-  if (greatest - table.first_raw >= table.size()) {  // not of this table
-    return surrounding_surfaces<DisparityTable>(view, x, y, table);
-  }
   if (least > greatest) {
     return {kMaxQuarterMm, 0};
+  }
+  if (greatest - table.first_raw >= table.size()) {  // not of this table
+    return surrounding_surfaces<DisparityTable>(view, x, y, table);
   }
   const DepthInterval nearest = table.at(greatest, 0);
   const DepthInterval farthest = table.at(least, 0);
