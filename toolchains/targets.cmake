@@ -105,8 +105,11 @@ set(STOF_LABELLED_TEST_OPTIONS -O1)
 # LABELS scenes: renders scenes, in floating point; left out of qemu. What is called ...OnEveryMachine runs there too.
 # HOST_CASES Suite.Case[:Suite.Case]: these have label `host`. They take seconds of plain C++, in which 64-bit ARM cannot
 # differ; left out of qemu.
+# SLOW_CASES Suite.Case[:Suite.Case]: these have label `slow`.
+# AS_ONE Suite: the program has this suite alone, and its cases look at something that takes seconds and is made once: ctest
+# runs them in one process, as one test.
 function(stof_add_test)
-  cmake_parse_arguments(ARG "" "NAME;LABELS;HOST_CASES" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME;LABELS;HOST_CASES;SLOW_CASES;AS_ONE" "SOURCES;LIBRARIES" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "stof_add_test(${ARG_NAME}): unknown ${ARG_UNPARSED_ARGUMENTS}")
   endif()
@@ -132,6 +135,11 @@ function(stof_add_test)
     # Begins early: what takes long would end alone.
     list(APPEND properties LABELS ${ARG_LABELS} COST 10)
   endif()
+  if(ARG_AS_ONE)
+    add_test(NAME ${ARG_AS_ONE} COMMAND ${ARG_NAME})
+    set_tests_properties(${ARG_AS_ONE} PROPERTIES ${properties} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+    return()
+  endif()
   set(all)
   if(ARG_LABELS STREQUAL "scenes")
     gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 TEST_FILTER *OnEveryMachine
@@ -141,6 +149,10 @@ function(stof_add_test)
     gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 TEST_FILTER ${ARG_HOST_CASES}
       TEST_LIST ${ARG_NAME}_HOST_CASES PROPERTIES TIMEOUT 300 LABELS host)
     set(all TEST_FILTER -${ARG_HOST_CASES})
+  elseif(ARG_SLOW_CASES)
+    gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 TEST_FILTER ${ARG_SLOW_CASES}
+      TEST_LIST ${ARG_NAME}_SLOW_CASES PROPERTIES TIMEOUT 300 LABELS slow COST 10)
+    set(all TEST_FILTER -${ARG_SLOW_CASES})
   endif()
   gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 ${all} PROPERTIES ${properties})
   if(ARG_LABELS STREQUAL "kernel")
