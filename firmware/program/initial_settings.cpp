@@ -211,7 +211,18 @@ void open_records(records::RecordDisk& disk, InitialSettings& initial) {
   initial.damaged_keys = store(Document::kDamagedKeys);
 }
 
-// What became of them is said in a line; what is lost, by whoever reads it.
+// Their names, with commas between them.
+std::string lost_records(records::RecordDisk& disk) {
+  std::string names;
+  for (std::size_t i = 0; i < records::kDocuments; ++i) {
+    if (disk.lost(static_cast<records::Document>(i))) {
+      names.append(names.empty() ? "" : ", ").append(records::kDocumentNames[i]);
+    }
+  }
+  return names;
+}
+
+// What became of them is said in a line; what is lost, by whoever reads it, too.
 void mend_records(records::RecordDisk& disk, const std::string& name) {
   const bool mended = disk.mend() == Status::kOk;
   if (disk.cut_off()) {
@@ -221,10 +232,14 @@ void mend_records(records::RecordDisk& disk, const std::string& name) {
   } else if (disk.moved()) {
     print_line(name + ": its size has changed: what is kept there stays where it is");
   }
-  if (!mended && !disk.cut_off()) {
-    print_line(name +
-               ": some of what is kept there is lost or cannot be read, or nothing be written: "
-               "write the card again");
+  const std::string lost = lost_records(disk);
+  if (!lost.empty()) {
+    print_line(
+        name + ": lost, damaged or older than it was: " + lost +
+        ": what holds in their place is said by conditions and lines; write the card again if "
+        "it happens again");
+  } else if (!mended && !disk.cut_off()) {
+    print_line(name + ": cannot be written: nothing can be saved: write the card again");
   }
 }
 

@@ -49,6 +49,11 @@ inline constexpr std::array<std::size_t, kDocuments + 1> kPlaces = [] {
 inline constexpr std::size_t kDirectoryPlace = kEraseBlockBytes - 4096;
 static_assert(kPlaces.back() <= kDirectoryPlace);
 
+// For whoever reads a line about one.
+inline constexpr std::array<const char*, kDocuments> kDocumentNames{
+    "settings", "last good settings", "record of starts", "limits",         "settings.bad",
+    "keys",     "keys.bad",           "calibration",      "calibration.bad"};
+
 constexpr std::size_t number(Document document) noexcept {
   return static_cast<std::size_t>(document);
 }

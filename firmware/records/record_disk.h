@@ -34,6 +34,8 @@ class RecordDisk {
   // Both areas get what the other one has newer, or alone, and a directory; at the start.
   // kDeviceError: the medium takes no writes, or a document is lost; what can be read stays.
   Status mend() noexcept;
+  // It was there, and is in neither area, or only older.
+  bool lost(Document document) noexcept { return is_lost(document, look(document)); }
 
   // As hal::Store. kDeviceError also: it was there, and is in neither area, or only older.
   Result<std::optional<std::size_t>> load(Document document, std::span<std::byte> space) noexcept;

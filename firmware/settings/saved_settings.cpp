@@ -140,6 +140,22 @@ std::optional<Settings> load_fixed(hal::Store& store) noexcept {
   return settings;
 }
 
+// Also of settings that somebody else wrote.
+void renew_fixed(hal::Store& fixed, const Settings& settings, std::string_view place,
+                 PagedWriter& line) noexcept {
+  const bool damaged = was_saved(fixed) && !load_fixed(fixed);
+  const Status saved = save_fixed(fixed, settings);
+  if (saved == Status::kOk && !damaged) {
+    return;
+  }
+  line
+      << (line.text().empty() ? "" : "; ") << place << ".limits: "
+      << (saved == Status::kOk
+              ? "damaged: written anew, with the limits of the settings"
+              : "cannot be written: the limits of the settings hold, and do not outlive them: make "
+                "it a file, or remove it");
+}
+
 }  // namespace
 
 int failed_starts(hal::Store& trial, const Settings& settings) noexcept {
@@ -264,14 +280,14 @@ StartSettings load_settings(const SettingsStores& stores, std::string_view place
     start.on_trial = true;
     counted = count_failed_starts(stores.trial, start.settings, failed + 1) == Status::kOk;
   }
-  if (stores.fixed != nullptr) {  // of settings that somebody else wrote, too
-    static_cast<void>(save_fixed(*stores.fixed, start.settings));
-  }
   if (start.fell_back) {
-    line << place << ": " << why.text() << (counted ? "" : "; ");
+    line << place << ": " << why.text();
+  }
+  if (stores.fixed != nullptr) {
+    renew_fixed(*stores.fixed, start.settings, place, line);
   }
   if (!counted) {
-    line << place
+    line << (line.text().empty() ? "" : "; ") << place
          << ".trial: cannot be written: starts that fail with these settings are not counted, so "
             "the last good ones will not come back: make it a file, or remove it";
   }

@@ -56,6 +56,11 @@ std::string silence_text(client::Receiver& receiver, std::optional<std::uint32_t
   if (receiver.subscription() == client::Subscription::State::kNoKey) {
     return ": no key of yours is one of this sensor: pair, see stof pair --help";
   }
+  const client::Statistics& counted = receiver.statistics();
+  if (counted.packets() != 0 && counted.not_signed + counted.forged == counted.packets()) {
+    return ": none is signed for this program: somebody sends in the sensor's name, or the sensor "
+           "does not sign; stof check tells";
+  }
   if (receiver.take_refusal()) {
     return ": nobody listens there: start stofd, or check its port";
   }

@@ -23,22 +23,34 @@ void collect(const Json& node, const std::string& path, Leaves& leaves) {
   }
 }
 
-// Puts a value where the path says; groups on the way appear.
-void put(Json& document, std::string_view path, Json value) {
+// Puts a value where the path says; groups on the way appear. Throws Failure where a name is that
+// of a value and of a group.
+void put(Json& document, std::string_view whole, Json value) {
   Json* node = &document;
+  std::string_view path = whole;
+  const auto both = [whole](std::string_view name) {
+    return Failure(Exit::kBadInput, std::string(whole) + ": \"" + std::string(name) +
+                                        "\" is given as a value and as a group of settings");
+  };
   while (true) {
     const std::size_t dot = path.find('.');
     const std::string name(path.substr(0, dot));
     if (name.empty()) {
-      throw Failure(Exit::kBadInput, "\"" + std::string(path) + "\": a setting's name is missing");
+      throw Failure(Exit::kBadInput, "\"" + std::string(whole) + "\": a setting's name is missing");
     }
-    if (!node->is_object()) {
-      *node = Json::object();
-    }
+    const bool known = node->contains(name);
     node = &(*node)[name];
     if (dot == std::string_view::npos) {
+      if (known && node->is_object()) {
+        throw both(name);
+      }
       *node = std::move(value);
       return;
+    }
+    if (!known) {
+      *node = Json::object();
+    } else if (!node->is_object()) {
+      throw both(name);
     }
     path.remove_prefix(dot + 1);
   }

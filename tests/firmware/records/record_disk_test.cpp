@@ -80,9 +80,12 @@ TEST(RecordDisk, LostInBothAreasIsNotMissing) {
   RecordDisk records(disk);
   EXPECT_NE(records.mend(), Status::kOk);
   EXPECT_TRUE(test::read(records, Document::kKeys).lost);
+  EXPECT_TRUE(records.lost(Document::kKeys));
   EXPECT_EQ(*test::read(records, Document::kSettings).bytes, test::bytes_of(900, 2));
+  EXPECT_FALSE(records.lost(Document::kSettings));
   // A new one may take its place.
   ASSERT_EQ(records.save(Document::kKeys, test::bytes_of(800, 3)), Status::kOk);
+  EXPECT_FALSE(records.lost(Document::kKeys));
   EXPECT_EQ(*test::read(records, Document::kKeys).bytes, test::bytes_of(800, 3));
 }
 

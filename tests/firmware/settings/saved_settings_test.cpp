@@ -303,6 +303,31 @@ TEST(SavedSettings, TheFirstOnesAreTakenWhereNoneWereSaved) {
   }
 }
 
+// The settings have them, too.
+TEST(SavedSettings, LimitsThatAloneAreDamagedAreWrittenAnewAndTold) {
+  Settings saved = named("a");
+  saved.limits.least_range_mm = 4000;
+  Medium medium;
+  hal::emu::Store fixed;
+  std::array<char, 320> space;
+  const auto start = [&] {
+    PagedWriter line(space);
+    SettingsStores stores = medium.stores();
+    stores.fixed = &fixed;
+    const StartSettings started = load_settings(stores, "x.json", &medium.board, line);
+    EXPECT_EQ(started.settings, saved);
+    return std::string(line.text());
+  };
+  ASSERT_EQ(save_document(medium.current, saved), Status::kOk);
+  ASSERT_EQ(save_document(medium.good, saved), Status::kOk);
+  EXPECT_EQ(start(), "");
+  put(fixed, "{");
+  EXPECT_EQ(start(), "x.json.limits: damaged: written anew, with the limits of the settings");
+  EXPECT_EQ(start(), "");
+  fixed.break_down(true);
+  EXPECT_NE(start().find("x.json.limits: cannot be written"), std::string::npos);
+}
+
 // What an installer fixed is as strict as it was, whatever becomes of the settings.
 TEST(SavedSettings, DroppedOnesLeaveWhatAnInstallerFixed) {
   Settings saved = named("a");

@@ -183,6 +183,8 @@ TEST_F(ConfigTest, RefusesWhatItCannotSend) {
                                              {"set", "nofile.json"},
                                              {"set", "=1"},
                                              {"set", "a..b=1"},
+                                             {"set", "depth=1", "depth.max_range_mm=4000"},
+                                             {"set", "depth.max_range_mm=4000", "depth=1"},
                                              {"set", "name=" + std::string(2000, 'a')}}) {
     EXPECT_EQ(refusal(words).second, Exit::kBadInput) << words[0];
   }
