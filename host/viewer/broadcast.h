@@ -24,9 +24,10 @@ enum class Topic : std::uint8_t {
   kRecording,
   kPlayback,
   kPairing,
-  kUpdate
+  kUpdate,
+  kCalibration
 };
-inline constexpr std::size_t kTopics = 7;
+inline constexpr std::size_t kTopics = 8;
 
 // What all pages may see: the newest frame, what is told of each topic, the last events. Some
 // threads tell, another one's conversations ask.

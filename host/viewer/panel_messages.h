@@ -89,4 +89,18 @@ struct UpdateState {
 };
 std::string update_message(const UpdateState& state);
 
+struct CalibrationState {
+  // "none", "begin", the states of `stof calib stereo --live --json`, "calibrated" (a file is
+  // there), "ended" (as asked), "failed", "installing", "installed"
+  std::string step = "none";
+  std::string text{};      // one line: what to do, or what came of it
+  bool wrong = false;      // an install was refused: `text` says why
+  std::string folder{};    // of its files
+  std::uint64_t kept = 0;  // views of an unfinished one, which the next may go on with
+  std::string look{};      // the newest exposure: a JSON object; empty: none
+  std::string result{};    // likewise, of the calibration
+  std::string problem{};   // one line: why there is no calibration here; empty: there is
+};
+std::string calibration_message(const CalibrationState& state);
+
 }  // namespace stof::viewer

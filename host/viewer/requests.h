@@ -38,6 +38,8 @@ class Answer {
       : to_(std::move(to)), id_(id), wake_(std::move(wake)) {}
   // text: one line; "" where all is said.
   void operator()(bool done, const std::string& text) const;
+  // Whose request it was: one for each connection of a page, expired once that has ended.
+  std::weak_ptr<const void> asker() const noexcept { return to_; }
 
  private:
   std::weak_ptr<Mailbox> to_;

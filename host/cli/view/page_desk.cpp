@@ -41,6 +41,12 @@ PageDesk::PageDesk(DeskOptions options)
               [this](const viewer::UpdateState& state) {
                 tell(viewer::Topic::kUpdate, viewer::update_message(state));
               }),
+      calibration_({.config = options_.config,
+                    .folder = options_.calibrate_in,
+                    .absence = options_.calibration_absence},
+                   [this](const viewer::CalibrationState& state) {
+                     tell(viewer::Topic::kCalibration, viewer::calibration_message(state));
+                   }),
       thread_([this] { run(); }) {}
 
 PageDesk::~PageDesk() {
@@ -151,6 +157,14 @@ void PageDesk::do_others(const viewer::Wish& wish, const viewer::Answer& answer)
     done = pairing_.give_up();
   } else if (const auto* const release = std::get_if<viewer::PutRelease>(&wish)) {
     done = update_.put(sensor(), release->file);
+  } else if (const auto* const calibrate = std::get_if<viewer::BeginCalibration>(&wish)) {
+    done = calibration_.begin(sensor(), *calibrate, answer.asker());
+  } else if (std::holds_alternative<viewer::EndCalibration>(wish)) {
+    done = calibration_.end(answer.asker());
+  } else if (std::holds_alternative<viewer::InstallCalibration>(wish)) {
+    done = calibration_.install(sensor(), answer.asker());
+  } else if (std::holds_alternative<viewer::ReadCalibration>(wish)) {
+    calibration_.read(sensor());
   } else {
     update_.read(sensor());
   }

@@ -10,6 +10,7 @@
 #include "host/cli/failure.h"
 #include "host/cli/live/robot_state.h"
 #include "host/cli/own_keys.h"
+#include "host/cli/rig/calib_rig.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/view/status_line.h"
 #include "host/viewer/browser.h"
@@ -26,7 +27,9 @@ void add_page_flags(CLI::App& command, PageOptions& options) {
   command.add_flag("--lan-control", options.lan_control,
                    "With --lan: whoever has the address may also change settings and record, with "
                    "your keys of the sensor");
-  command.add_option("--record-to", options.record_to, "Folder of what is recorded from the page")
+  command
+      .add_option("--record-to", options.record_to,
+                  "Folder of what the page leaves: recordings, and calibrations")
       ->capture_default_str();
   command.add_option("--update-from", options.update_from,
                      "Folder of releases (*.update): the page may put one of them on the sensor, "
@@ -77,6 +80,8 @@ void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
                                        ": is no folder: name the one that holds the releases");
   }
   DeskOptions desk{.fault_socket = options.fault_socket,
+                   .calibrate_in = options.record_to,
+                   .calibration_absence = has_calib_rig() ? "" : kRigAbsence,
                    .update_from = options.update_from,
                    .takes_code = !options.lan_control,
                    .sensor = !shown.recording};
