@@ -1,4 +1,4 @@
-import { SensorEvent, Status } from "./connection";
+import { SensorEvent, Status } from "./messages";
 
 const levels = ["good", "minor", "major", "major"];
 const mostShown = 100;

@@ -1,10 +1,12 @@
 import { CloudView } from "./cloud_view";
 import { Rgb, Scale, rgb, widthFar, widthNear } from "./colours";
-import { Connection, Frame, Hello, Plane, Rights, SensorEvent, Status } from "./connection";
+import { CalibrationPanel } from "./calibration";
+import { Connection } from "./connection";
 import { Base, DepthView, Overlay, depthRange } from "./depth_view";
 import { levelOf, showEvent, showHealth } from "./events";
 import { FaultPanel } from "./faults";
-import { PairingMessage, PairingPanel } from "./pairing";
+import { Frame, Hello, PairingMessage, Plane, Rights, SensorEvent, Status } from "./messages";
+import { PairingPanel } from "./pairing";
 import { Requests, find, put } from "./panels";
 import { Plot } from "./plots";
 import { Probe } from "./probe";
@@ -64,6 +66,7 @@ class Page {
   private pairing = new PairingPanel(this.requests);
   private pairingStep = "none";
   private update = new UpdatePanel(this.requests);
+  private calibration = new CalibrationPanel(this.requests);
 
   constructor() {
     this.connection = new Connection({
@@ -80,6 +83,7 @@ class Page {
       playback: (message) => this.player.told(message),
       pairing: (message) => this.paired(message),
       update: (message) => this.update.told(message),
+      calibration: (message) => this.calibration.told(message),
     }, () => this.planes());
     for (const input of document.querySelectorAll<HTMLInputElement>("input[type=radio]")) {
       input.addEventListener("change", () => this.choose());
@@ -98,7 +102,7 @@ class Page {
     find("sensor").textContent = name;
     document.title = `stof ${name}`;
     this.recording = hello.recording;
-    find("settings").hidden = find("update").hidden = hello.recording;
+    find("settings").hidden = find("calibration").hidden = find("update").hidden = hello.recording;
     this.table = hello.colours.map(rgb);
     this.sources = hello.sources;
     if (!this.scale) {
@@ -146,6 +150,7 @@ class Page {
     this.settings.connected();
     this.pairing.connected();
     this.update.connected();
+    this.calibration.connected();
   }
 
   private paired(message: PairingMessage): void {

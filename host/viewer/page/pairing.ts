@@ -1,7 +1,6 @@
 // Pairing: there while the user has no key of the sensor. Keys are made and kept by `stof view`, none comes here.
+import { PairingMessage } from "./messages";
 import { Requests, find, put } from "./panels";
-
-export interface PairingMessage { offer: string; step: string; given: string; ours: string; text: string; takes_code: boolean }
 
 const offers: Record<string, string> = {
   unpaired: "Nobody has paired this sensor: whoever reaches its network changes what is harmless, and nobody more. Once it is paired, a change takes a key.",

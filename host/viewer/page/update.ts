@@ -1,11 +1,6 @@
 // The update panel: which release runs, and how an update goes. Files stay where `stof view` is: a page names one.
+import { UpdateMessage } from "./messages";
 import { Requests, find, make, put } from "./panels";
-
-export interface UpdateMessage {
-  folder: string; files: { name: string; bytes: number }[];
-  step: string; file: string; sent: number; total: number; text: string;
-  running: string; other: string; state: string; problem: string;
-}
 
 const askEveryMs = 3000; // while it is open
 const steps = ["sending", "restarting", "trial", "confirmed"];
