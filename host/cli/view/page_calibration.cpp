@@ -212,7 +212,7 @@ std::vector<std::string> PageCalibration::words(const Run& what) const {
   const ConfigOptions& config = options_.config;
   words.insert(words.end(), {"--keys", config.keys});
   if (config.device) {
-    words.insert(words.end(), {"--device", printed("%08x", *config.device)});
+    words.insert(words.end(), {"--device", std::to_string(*config.device)});
   }
   if (!config.key.empty()) {
     words.insert(words.end(), {"--key", config.key});
