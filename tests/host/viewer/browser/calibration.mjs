@@ -16,7 +16,7 @@ async function hasRig(bin) {
 
 export function calibrationChecks({ bin, open, text, live, shot, phone }) {
   return {
-    async "calibration: the page says which view is missing, what came of it, and installs it with a key of role admin"() {
+    async "calibration: the page says which view is missing, what came of it, and installs it"() {
       const to = join(folder, "calibrations");
       mkdirSync(to);
       const rig = await hasRig(bin);
