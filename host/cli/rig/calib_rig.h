@@ -41,6 +41,7 @@ struct CalibStereoOptions {
   bool json = false;      // of --target and --live
   int picture_width = 0;  // of the pictures in --live --json, px; 0: none
   // Of --planes.
+  std::vector<double> distances{};           // with --live: of the walls that are shown, m
   std::vector<double> baseline{0.2, 0.002};  // m and its sigma
   std::vector<double> focal{8.5, 0.17};      // mm and its sigma
   double pixel_um = 5.6;
@@ -64,7 +65,7 @@ struct CalibFolderOptions {  // extrinsics, check
   std::string board{};  // of extrinsics: views of it in place of walls
   int threads = 1;
   bool force = false;
-  bool json = false;  // check
+  bool json = false;
 };
 
 struct CalibExchangeOptions {  // import, export
@@ -73,12 +74,14 @@ struct CalibExchangeOptions {  // import, export
   std::filesystem::path out{};
   std::filesystem::path start{};
   std::vector<int> size{};
+  bool json = false;
 };
 
 struct CalibTargetOptions {
   std::string board = "9x6:0.024";
   std::string paper = "a4";
   std::filesystem::path out{};
+  bool json = false;
 };
 
 struct CalibRigOptions {

@@ -16,13 +16,17 @@ namespace stof::host {
 namespace {
 
 constexpr std::size_t kMostComplaint = 1000;
+constexpr int kLookEveryMs = 200;  // whether it goes on
 
 std::string errno_text(int error) { return std::generic_category().message(error); }
 
 }  // namespace
 
-LineProgram::LineProgram(pid_t child, posix::Fd out, posix::Fd complaints) noexcept
-    : child_(child), out_(std::move(out)), complaints_(std::move(complaints)) {}
+LineProgram::LineProgram(pid_t child, posix::Fd out, posix::Fd complaints, GoesOn goes_on) noexcept
+    : child_(child),
+      out_(std::move(out)),
+      complaints_(std::move(complaints)),
+      goes_on_(std::move(goes_on)) {}
 
 LineProgram::LineProgram(LineProgram&& other) noexcept
     : child_(std::exchange(other.child_, -1)),
@@ -30,7 +34,9 @@ LineProgram::LineProgram(LineProgram&& other) noexcept
       complaints_(std::move(other.complaints_)),
       read_(std::move(other.read_)),
       complaint_(std::move(other.complaint_)),
-      complaint_ended_(other.complaint_ended_) {}
+      complaint_ended_(other.complaint_ended_),
+      goes_on_(std::move(other.goes_on_)),
+      killed_at_(other.killed_at_) {}
 
 LineProgram::~LineProgram() {
   if (child_ > 0) {
@@ -39,7 +45,8 @@ LineProgram::~LineProgram() {
   }
 }
 
-std::expected<LineProgram, std::string> LineProgram::start(const std::vector<std::string>& words) {
+std::expected<LineProgram, std::string> LineProgram::start(const std::vector<std::string>& words,
+                                                           GoesOn goes_on) {
   std::array<int, 2> out{};
   std::array<int, 2> complaints{};
   if (pipe2(out.data(), O_CLOEXEC) != 0) {
@@ -79,7 +86,7 @@ std::expected<LineProgram, std::string> LineProgram::start(const std::vector<std
   if (error != 0) {
     return std::unexpected(words.front() + ": cannot be started: " + errno_text(error));
   }
-  return LineProgram(child, std::move(out_begin), std::move(complaints_begin));
+  return LineProgram(child, std::move(out_begin), std::move(complaints_begin), std::move(goes_on));
 }
 
 void LineProgram::take_complaint(const char* bytes, std::size_t size) {
@@ -102,9 +109,10 @@ bool LineProgram::read_some() {
   if (!out_.is_open() && !complaints_.is_open()) {
     return false;
   }
-  if (poll(ends.data(), ends.size(), -1) < 0) {
+  if (poll(ends.data(), ends.size(), kLookEveryMs) < 0) {
     return errno == EINTR;
   }
+  look_whether_it_goes_on();
   std::array<char, 65'536> bytes{};
   for (std::size_t i = 0; i < ends.size(); ++i) {
     if (ends[i].fd < 0 || ends[i].revents == 0) {
@@ -145,9 +153,12 @@ std::optional<std::string> LineProgram::next_line() {
   }
 }
 
-void LineProgram::interrupt() const noexcept {
-  if (child_ > 0) {
+void LineProgram::look_whether_it_goes_on() {
+  if (!killed_at_ && !goes_on_()) {
+    killed_at_ = Clock::now() + kPatience;
     kill(child_, SIGINT);
+  } else if (killed_at_ && Clock::now() >= *killed_at_) {
+    kill(child_, SIGKILL);
   }
 }
 

@@ -16,6 +16,7 @@
 #include "host/cli/own_keys.h"
 #include "host/cli/receive.h"
 #include "host/cli/recording/sensor_documents.h"
+#include "host/cli/view/line_program.h"
 #include "host/text/printed.h"
 
 namespace stof::host {
@@ -27,6 +28,10 @@ constexpr const char* kFile = "rig.cal";
 constexpr const char* kBefore = "before.cal";  // what the sensor has: its PMD camera is kept
 constexpr const char* kViews = "views";
 constexpr const char* kNowhere = "no frame has come: nobody knows where the sensor is";
+constexpr const char* kUnderWay = "a calibration is under way: the page that began it may end it";
+// Steps.
+constexpr const char* kCalibrated = "calibrated";
+constexpr const char* kInstalled = "installed";
 
 std::string folder_prefix(std::uint32_t device) { return printed("calibration_%08x_", device); }
 
@@ -68,91 +73,42 @@ std::string stamp_of_now() {
   return {text.data(), size};
 }
 
-bool same(const PageCalibration::Asker& a, const PageCalibration::Asker& b) {
-  return !a.owner_before(b) && !b.owner_before(a);
-}
-
 }  // namespace
 
 struct PageCalibration::Run {
+  viewer::Page page;
   ShownSensor sensor;
   std::string board;
   std::filesystem::path folder;
 };
 
-PageCalibration::PageCalibration(CalibrationOptions options, Tell tell)
-    : options_(std::move(options)), tell_(std::move(tell)) {
-  if (!options_.absence.empty()) {
-    state_.problem = "calibration: " + options_.absence;
-  }
-}
-
-PageCalibration::~PageCalibration() {
-  {
-    const std::scoped_lock lock(mutex_);
-    ends_ = true;
-    if (program_ != nullptr) {
-      program_->interrupt();
-    }
-  }
-  if (thread_.joinable()) {
-    thread_.join();
-  }
-}
-
-// Told in the order in which it happened.
-template <typename Change>
-void PageCalibration::change(Change&& how) {
-  const std::scoped_lock lock(mutex_);
-  std::forward<Change>(how)(state_);
-  tell_(state_);
-}
+PageCalibration::PageCalibration(CalibrationOptions options, Task::Tell tell)
+    : options_(std::move(options)),
+      task_({.problem = options_.absence.empty() ? "" : "calibration: " + options_.absence},
+            std::move(tell)) {}
 
 void PageCalibration::read(const ShownSensor& sensor) {
   const auto folder = unfinished(options_.folder, sensor.device);
   const std::uint64_t kept = folder ? views_in(*folder) : 0;
-  change([&](viewer::CalibrationState& state) {
-    if (!under_way_) {
-      state.kept = kept;
+  const bool busy = task_.under_way();
+  task_.change([&](viewer::CalibrationState& state) {
+    if (busy) {
+      return;
+    }
+    state.kept = kept;
+    if (!owner_.connected()) {
+      state.by = {};
     }
   });
 }
 
-// One line why another page has it; empty: this one does. Guarded by the mutex.
-std::string PageCalibration::not_yours(const Asker& asker) const {
-  return asker_.expired() || same(asker, asker_)
-             ? ""
-             : "another page began this calibration: it alone goes on with it";
-}
-
-PageCalibration::Done PageCalibration::begin_work(const Asker& asker) {
-  {
-    const std::scoped_lock lock(mutex_);
-    if (under_way_) {
-      const std::string other = not_yours(asker);
-      return std::unexpected(other.empty() ? "a calibration is under way: end it first" : other);
-    }
-    under_way_ = true;
-    ends_ = false;
-    asker_ = asker;
-  }
-  if (thread_.joinable()) {
-    thread_.join();  // it has ended
-  }
-  return {};
-}
-
-PageCalibration::Done PageCalibration::begin(const ShownSensor& sensor,
-                                             const viewer::BeginCalibration& wish,
-                                             const Asker& asker) {
+PageCalibration::Done PageCalibration::begin(const viewer::Page& page, const ShownSensor& sensor,
+                                             const viewer::BeginCalibration& wish) {
   if (!options_.absence.empty()) {
     return std::unexpected("calibration: " + options_.absence);
   }
   if (sensor.address.empty()) {
     return std::unexpected(kNowhere);
-  }
-  if (Done may = begin_work(asker); !may) {
-    return may;
   }
   std::filesystem::path folder = options_.folder / (folder_prefix(sensor.device) + stamp_of_now());
   if (wish.goes_on) {
@@ -160,34 +116,28 @@ PageCalibration::Done PageCalibration::begin(const ShownSensor& sensor,
       folder = *before;
     }
   }
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder, error)) {
-    const std::scoped_lock lock(mutex_);
-    under_way_ = false;
-    return std::unexpected(folder.string() + ": cannot be made a folder: see --record-to");
+  const Run what{.page = page, .sensor = sensor, .board = wish.board, .folder = folder};
+  const Done begun = task_.start(
+      page, kUnderWay,
+      [&](viewer::CalibrationState& state) {
+        state = {.step = "begin",
+                 .by = state.by,
+                 .text = "the sensor is being asked",
+                 .folder = folder.string()};
+      },
+      [this, what] { return run(what); });
+  if (begun) {
+    owner_ = page;
   }
-  change([&](viewer::CalibrationState& state) {
-    state = {.step = "begin", .text = "the sensor is being asked", .folder = folder.string()};
-    file_.clear();
-  });
-  thread_ = std::thread([this, what = Run{sensor, wish.board, folder}] { run(what); });
-  return {};
+  return begun;
 }
 
-PageCalibration::Done PageCalibration::end(const Asker& asker) {
-  const std::scoped_lock lock(mutex_);
-  if (!under_way_) {
-    return std::unexpected("no calibration is under way");
-  }
-  if (std::string other = not_yours(asker); !other.empty()) {
-    return std::unexpected(std::move(other));
-  }
-  ends_ = true;
-  if (program_ != nullptr) {
-    program_->interrupt();
-  }
-  return {};
+PageCalibration::Done PageCalibration::end(const viewer::Page& page) {
+  return task_.end_by(page, "no calibration is under way");
+}
+
+bool PageCalibration::goes_on(const Run& what) const {
+  return task_.goes_on() && what.page.connected();
 }
 
 std::vector<std::string> PageCalibration::words(const Run& what) const {
@@ -225,68 +175,60 @@ std::vector<std::string> PageCalibration::words(const Run& what) const {
   return words;
 }
 
-void PageCalibration::run(const Run& what) {
-  const char* step = "failed";
-  std::string text;
-  std::optional<LineProgram> program;  // until nobody interrupts it any more
+PageCalibration::Task::End PageCalibration::run(const Run& what) {
+  Task::End end;
   try {
-    ReceiveOptions asked;
-    asked.sensor = what.sensor.address;
-    asked.keys = options_.config.keys;
-    asked.device = options_.config.device;
-    asked.key = options_.config.key;
-    const SensorDocuments documents = read_documents(asked, true);
-    if (!documents.calibration.empty()) {
-      value_or_fail(dataset::write_whole(what.folder / kBefore, documents.calibration));
+    end = calibrate(what);
+  } catch (const std::exception& problem) {
+    end = {.step = "failed", .text = problem.what()};
+  }
+  if (end.step != kCalibrated && !goes_on(what)) {
+    end.step = "ended";
+    if (task_.goes_on()) {
+      end.text = "the page that began the calibration was closed: its views are kept";
     }
-    auto started = LineProgram::start(words(what));
-    if (!started) {
-      throw Failure(Exit::kFailure, started.error());
-    }
-    program.emplace(*std::move(started));
-    follow(*program);
-    const std::scoped_lock lock(mutex_);
-    const int code = program->wait();
-    program_ = nullptr;
-    text = program->complaint();
+  }
+  const std::uint64_t kept = end.step == kCalibrated ? 0 : views_in(what.folder);
+  task_.change([&](viewer::CalibrationState& state) {
+    state.look.clear();
+    state.kept = kept;
+  });
+  return end;
+}
+
+// Throws Failure.
+PageCalibration::Task::End PageCalibration::calibrate(const Run& what) {
+  std::error_code error;
+  std::filesystem::create_directories(what.folder, error);
+  if (!std::filesystem::is_directory(what.folder, error)) {
+    throw Failure(Exit::kFailure,
+                  what.folder.string() + ": cannot be made a folder: see --record-to");
+  }
+  ReceiveOptions asked;
+  asked.sensor = what.sensor.address;
+  asked.keys = options_.config.keys;
+  asked.device = options_.config.device;
+  asked.key = options_.config.key;
+  const SensorDocuments documents = read_documents(asked, true);
+  if (!documents.calibration.empty()) {
+    value_or_fail(dataset::write_whole(what.folder / kBefore, documents.calibration));
+  }
+  auto program = LineProgram::start(words(what), [&] { return goes_on(what); });
+  if (!program) {
+    throw Failure(Exit::kFailure, program.error());
+  }
+  while (const std::optional<std::string> line = program->next_line()) {
+    take(*line);
+  }
+  if (const int code = program->wait(); code != 0) {
+    std::string text = program->complaint();
     if (text.starts_with("stof: ")) {
       text.erase(0, 6);
     }
-    if (code == 0) {
-      step = "calibrated";
-      file_ = what.folder / kFile;
-      text = file_.string() + " is written";
-    } else if (ends_) {
-      step = "ended";
-    } else if (text.empty()) {
-      text = printed("it ended with %d and said nothing", code);
-    }
-  } catch (const std::exception& problem) {
-    text = problem.what();
+    return {.step = "failed",
+            .text = text.empty() ? printed("it ended with %d and said nothing", code) : text};
   }
-  const std::uint64_t kept = views_in(what.folder);
-  change([&](viewer::CalibrationState& state) {
-    program_ = nullptr;
-    state.step = step;
-    state.text = text;
-    state.look.clear();
-    state.kept = file_.empty() ? kept : 0;
-    under_way_ = false;
-  });
-}
-
-// Until it has no more to say.
-void PageCalibration::follow(LineProgram& program) {
-  {
-    const std::scoped_lock lock(mutex_);
-    program_ = &program;
-    if (ends_) {
-      program.interrupt();
-    }
-  }
-  while (const std::optional<std::string> line = program.next_line()) {
-    take(*line);
-  }
+  return {.step = kCalibrated, .text = (what.folder / kFile).string() + " is written"};
 }
 
 void PageCalibration::take(const std::string& line) {
@@ -298,7 +240,7 @@ void PageCalibration::take(const std::string& line) {
   if (!json.is_object() || text("state").empty()) {
     return;
   }
-  change([&](viewer::CalibrationState& state) {
+  task_.change([&](viewer::CalibrationState& state) {
     state.step = text("state");
     state.text = text("text");
     if (state.step == "looking") {
@@ -309,55 +251,52 @@ void PageCalibration::take(const std::string& line) {
   });
 }
 
-PageCalibration::Done PageCalibration::install(const ShownSensor& sensor, const Asker& asker) {
+PageCalibration::Done PageCalibration::install(const viewer::Page& page,
+                                               const ShownSensor& sensor) {
   if (sensor.address.empty()) {
     return std::unexpected(kNowhere);
   }
-  std::filesystem::path file;
-  {
-    const std::scoped_lock lock(mutex_);
-    if (file_.empty()) {
+  const viewer::CalibrationState state = task_.state();
+  if (!task_.under_way()) {
+    if (state.step != kCalibrated && state.step != kInstalled) {
       return std::unexpected("no calibration was made here: begin one");
     }
-    if (std::string other = not_yours(asker); !other.empty()) {
-      return std::unexpected(std::move(other));
+    if (owner_.connected() && owner_.number != page.number) {
+      return std::unexpected("another page, of " + owner_.place +
+                             ", made this calibration: only that page installs it");
     }
-    file = file_;
   }
-  if (Done may = begin_work(asker); !may) {
-    return may;
+  const Done begun = task_.start(
+      page, kUnderWay,
+      [](viewer::CalibrationState& told) {
+        told.step = "installing";
+        told.text = "the sensor is being sent the file";
+        told.wrong = false;
+      },
+      [this, sensor, file = std::filesystem::path(state.folder) / kFile] {
+        return put(sensor, file);
+      });
+  if (begun) {
+    owner_ = page;
   }
-  change([](viewer::CalibrationState& state) {
-    state.step = "installing";
-    state.text = "the sensor is being sent the file";
-  });
-  thread_ = std::thread([this, sensor, file] { put(sensor, file); });
-  return {};
+  return begun;
 }
 
-void PageCalibration::put(const ShownSensor& sensor, const std::filesystem::path& file) {
-  const char* step = "calibrated";
-  std::string text;
-  bool wrong = false;
+PageCalibration::Task::End PageCalibration::put(const ShownSensor& sensor,
+                                                const std::filesystem::path& file) {
   try {
     need_crypto();
     const std::string bytes = read_calibration_bytes(file);
     const auto way =
         open_upload_way("calib install", sensor.address, options_.config, kInstallPatienceS);
     const Installed done = put_calibration(*way, bytes, {});
-    step = "installed";
-    text = printed("%s: calibration %08x is in force and kept; it was %08x", way->who().c_str(),
-                   done.fingerprint, done.former);
+    return {.step = kInstalled,
+            .text = printed("%s: calibration %08x is in force and kept; it was %08x",
+                            way->who().c_str(), done.fingerprint, done.former)};
   } catch (const std::exception& problem) {
-    wrong = true;
-    text = problem.what();
+    task_.change([](viewer::CalibrationState& state) { state.wrong = true; });
+    return {.step = kCalibrated, .text = problem.what()};
   }
-  change([&](viewer::CalibrationState& state) {
-    state.step = step;
-    state.text = text;
-    state.wrong = wrong;
-    under_way_ = false;
-  });
 }
 
 }  // namespace stof::host

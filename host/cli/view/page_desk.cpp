@@ -33,7 +33,7 @@ std::vector<viewer::FaultState> states_of(const std::vector<DeviceFaults>& devic
 
 PageDesk::PageDesk(DeskOptions options)
     : options_(std::move(options)),
-      pairing_(options_.config, options_.takes_code,
+      pairing_(options_.config,
                [this](const viewer::PairingState& state) {
                  tell(viewer::Topic::kPairing, viewer::pairing_message(state));
                }),
@@ -86,7 +86,7 @@ bool PageDesk::enqueue(Job job) {
   return true;
 }
 
-void PageDesk::serve(viewer::Wish wish, viewer::Answer answer) {
+void PageDesk::serve(const viewer::Page& page, viewer::Wish wish, viewer::Answer answer) {
   if (is_one_of<viewer::SetRecording, viewer::SetPlaying, viewer::SeekTo>(wish)) {
     const std::scoped_lock lock(mutex_);
     if (own_.size() < kMostJobs) {
@@ -115,7 +115,7 @@ void PageDesk::serve(viewer::Wish wish, viewer::Answer answer) {
     if (enqueue([this, wish, answer] { do_settings(wish, answer); })) {
       return;
     }
-  } else if (enqueue([this, wish, answer] { do_others(wish, answer); })) {
+  } else if (enqueue([this, page, wish, answer] { do_others(page, wish, answer); })) {
     return;
   }
   answer(false, kBusy);
@@ -147,22 +147,23 @@ void PageDesk::do_settings(const viewer::Wish& wish, const viewer::Answer& answe
 }
 
 // What has its own thread, and its own message of how it goes.
-void PageDesk::do_others(const viewer::Wish& wish, const viewer::Answer& answer) {
+void PageDesk::do_others(const viewer::Page& page, const viewer::Wish& wish,
+                         const viewer::Answer& answer) {
   std::expected<void, std::string> done;
   if (const auto* const begin = std::get_if<viewer::BeginPairing>(&wish)) {
-    done = pairing_.begin(sensor(), *begin);
+    done = pairing_.begin(page, sensor(), *begin);
   } else if (const auto* const given = std::get_if<viewer::GiveDigits>(&wish)) {
-    done = pairing_.give(given->digits);
+    done = pairing_.give(page, given->digits);
   } else if (std::holds_alternative<viewer::EndPairing>(wish)) {
-    done = pairing_.give_up();
+    done = pairing_.give_up(page);
   } else if (const auto* const release = std::get_if<viewer::PutRelease>(&wish)) {
-    done = update_.put(sensor(), release->file);
+    done = update_.put(page, sensor(), release->file);
   } else if (const auto* const calibrate = std::get_if<viewer::BeginCalibration>(&wish)) {
-    done = calibration_.begin(sensor(), *calibrate, answer.asker());
+    done = calibration_.begin(page, sensor(), *calibrate);
   } else if (std::holds_alternative<viewer::EndCalibration>(wish)) {
-    done = calibration_.end(answer.asker());
+    done = calibration_.end(page);
   } else if (std::holds_alternative<viewer::InstallCalibration>(wish)) {
-    done = calibration_.install(sensor(), answer.asker());
+    done = calibration_.install(page, sensor());
   } else if (std::holds_alternative<viewer::ReadCalibration>(wish)) {
     calibration_.read(sensor());
   } else {

@@ -2,6 +2,7 @@
 import { Requests, find, make, put } from "./panels";
 import { CalibrationLook, CalibrationMessage, CalibrationResult } from "./messages";
 
+const askEveryMs = 3000; // while it is open
 const running = ["begin", "subscribing", "reading", "missing", "looking", "calibrating"];
 const kinds: Record<string, { across: string; down: string; size: string; columns: number; rows: number; mm: number; paper: string; help: string }> = {
   charuco: { across: "Squares across", down: "Squares down", size: "Square", columns: 12, rows: 9, mm: 40, paper: "a2", help: "The best choice: it counts where a camera sees a part of it, so it reaches the corners of both pictures." },
@@ -17,12 +18,12 @@ const wantNames: Record<string, string> = {
 
 export class CalibrationPanel {
   private state: CalibrationMessage | null = null;
-  private mine = false; // this page began it
   private pictures = new Map<string, HTMLImageElement>();
   private taken = 0;
 
   constructor(private requests: Requests) {
     find("calibration").addEventListener("toggle", () => this.ask());
+    setInterval(() => { if (!document.hidden && !this.busy()) this.ask(); }, askEveryMs);
     find("cal-kind").addEventListener("change", () => this.choose());
     for (const id of ["cal-columns", "cal-rows", "cal-size"]) find(id).addEventListener("input", () => this.sketch());
     find("cal-form").addEventListener("submit", (event) => {
@@ -45,9 +46,8 @@ export class CalibrationPanel {
     this.show();
   }
 
-  // The rights have changed: a connection that ended has nothing under way.
+  // The rights have changed.
   connected(): void {
-    this.mine = false;
     this.show();
     this.ask();
   }
@@ -61,6 +61,10 @@ export class CalibrationPanel {
     void this.want("calibration");
   }
 
+  private busy(): boolean {
+    return [...running, "installing"].includes(this.state?.step ?? "none");
+  }
+
   private async want(what: string, members: object = {}): Promise<boolean> {
     const answer = await this.requests.ask(what, members);
     if (!answer.done) this.say(answer.text, true);
@@ -69,7 +73,7 @@ export class CalibrationPanel {
 
   private async begin(goesOn: boolean): Promise<void> {
     if (!find<HTMLFormElement>("cal-form").reportValidity()) return;
-    this.mine = await this.want("calibrate", { board: this.board(), goes_on: goesOn });
+    await this.want("calibrate", { board: this.board(), goes_on: goesOn });
   }
 
   // As --board of stof calib stereo.
@@ -137,6 +141,7 @@ export class CalibrationPanel {
     const state = this.state;
     if (!state) return;
     const busy = running.includes(state.step);
+    const other = this.requests.another(state.by);
     find("cal-absent").hidden = !state.problem;
     put("cal-absent", state.problem);
     find("cal-begin").hidden = Boolean(state.problem) || busy || state.step === "installing";
@@ -145,9 +150,10 @@ export class CalibrationPanel {
     goOn.hidden = !state.kept;
     goOn.disabled = !this.requests.rights.may;
     put("cal-go-on", `Go on with ${state.kept} ${state.kept === 1 ? "view" : "views"} of before`);
-    find("cal-end").hidden = !busy || !this.mine;
+    find("cal-end").hidden = !busy || other !== "";
     find("cal-live").hidden = !busy || !state.look;
-    find("cal-other").hidden = !busy || this.mine;
+    put("cal-other", `${other} ${busy ? "began this calibration: only that page ends it" : "made this calibration: only that page installs it, as long as it is open"}.`);
+    find("cal-other").hidden = !other || !(busy || state.step === "calibrated");
     const wrong = state.step === "failed" || state.wrong;
     // What is said of each exposure changes too often for who listens.
     const looking = state.step === "looking";
@@ -248,7 +254,7 @@ export class CalibrationPanel {
     find("cal-verdict").dataset.level = result.warnings.length ? "minor" : "good";
     find("cal-warnings").replaceChildren(...result.warnings.map((warning) => make("li", warning)));
     const install = find<HTMLButtonElement>("cal-install");
-    install.hidden = !this.mine || step === "installed";
+    install.hidden = !this.requests.rights.may || this.requests.another(this.state!.by) !== "" || step === "installed";
     install.disabled = step === "installing";
   }
 }

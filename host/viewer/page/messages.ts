@@ -52,7 +52,10 @@ export interface Status {
 export interface SensorEvent { text: string; condition: number; severity: number; active: boolean; count: number; time_ms: number }
 
 // Whether this page may have something done, and the ticket that each request carries.
-export interface Rights { may: boolean; why: string; ticket: string }
+export interface Rights { may: boolean; why: string; why_not_pair: string; ticket: string; page: number }
+
+// The page's connection that began what takes a while.
+export type BegunBy = { page: number; place: string } | null;
 
 export type Plane = "depth" | "width" | "source" | "left";
 
@@ -76,11 +79,11 @@ export interface RecordingMessage {
 
 export interface PlaybackMessage { playing: boolean; seekable: boolean; at_ms: number; length_ms: number; began_ms: number }
 
-export interface PairingMessage { offer: string; step: string; given: string; ours: string; text: string; takes_code: boolean }
+export interface PairingMessage { offer: string; step: string; by: BegunBy; role: string; given: string; ours: string; text: string }
 
 export interface UpdateMessage {
   folder: string; files: { name: string; bytes: number }[];
-  step: string; file: string; sent: number; total: number; text: string;
+  step: string; by: BegunBy; file: string; sent: number; total: number; text: string;
   running: string; other: string; state: string; problem: string;
 }
 
@@ -96,5 +99,5 @@ export interface CalibrationResult {
   held_out: null | { views: number; reprojection_px: number; row_px: number; largest_row_px: number; scale_error: number };
 }
 export interface CalibrationMessage {
-  step: string; text: string; wrong: boolean; folder: string; kept: number; look: CalibrationLook | null; result: CalibrationResult | null; problem: string;
+  step: string; by: BegunBy; text: string; wrong: boolean; folder: string; kept: number; look: CalibrationLook | null; result: CalibrationResult | null; problem: string;
 }

@@ -80,7 +80,8 @@ export class UpdatePanel {
       : state.files.length ? `Releases of ${state.folder}, where stof view runs.` : `No release (*.update) is in ${state.folder}.`);
     find("update-from").hidden = busy;
     if (busy) {
-      put("update-who", `${state.file} is being put on the sensor.`);
+      const who = this.requests.another(state.by);
+      put("update-who", `${who ? `${who} puts ${state.file} on the sensor` : `${state.file} is being put on the sensor`}. Nobody ends an update that has begun.`);
     } else {
       put("update-who", state.problem || (state.running
         ? `Release ${state.running} runs: ${places[state.state] ?? state.state}.${state.other ? ` In the other slot: ${state.other}.` : ""}`

@@ -48,8 +48,10 @@ class CalibrationPanel : public ::stof::test::Scratch {
 
   // Nobody answers there.
   ShownSensor sensor_{.address = "127.0.0.1:9", .device = 7, .unpaired = true, .told = true};
-  std::shared_ptr<int> page_ = std::make_shared<int>();
-  std::shared_ptr<int> other_ = std::make_shared<int>();
+  std::shared_ptr<int> there_ = std::make_shared<int>();  // the connection of page_
+  const std::shared_ptr<int> other_there_ = std::make_shared<int>();
+  const viewer::Page page_{.number = 1, .place = "this computer", .there = there_};
+  const viewer::Page other_{.number = 2, .place = "192.0.2.7", .there = other_there_};
 
  private:
   std::mutex mutex_;
@@ -59,7 +61,7 @@ class CalibrationPanel : public ::stof::test::Scratch {
 
 TEST_F(CalibrationPanel, WhatTheProgramLacksIsOneLine) {
   const auto calibration = panel("no such packages");
-  const auto done = calibration->begin(sensor_, {.board = "9x6:0.06"}, page_);
+  const auto done = calibration->begin(page_, sensor_, {.board = "9x6:0.06"});
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error(), "calibration: no such packages");
   calibration->read(sensor_);
@@ -74,8 +76,8 @@ TEST_F(CalibrationPanel, LinesOfTheProgramArePassedOnUntilItsResult) {
       "echo '{\"state\": \"looking\", \"text\": \"b\", \"views\": 3}'\n"
       "echo '{\"state\": \"calibrated\", \"text\": \"c\", \"result\": {\"views\": 20}}'\n");
   const auto calibration = panel();
-  EXPECT_FALSE(calibration->install(sensor_, page_));  // nothing was made
-  ASSERT_TRUE(calibration->begin(sensor_, {.board = "9x6:0.06"}, page_));
+  EXPECT_FALSE(calibration->install(page_, sensor_));  // nothing was made
+  ASSERT_TRUE(calibration->begin(page_, sensor_, {.board = "9x6:0.06"}));
   const viewer::CalibrationState made = until([](const viewer::CalibrationState& told) {
     return told.step == "calibrated" && told.text != "c";
   });
@@ -83,10 +85,9 @@ TEST_F(CalibrationPanel, LinesOfTheProgramArePassedOnUntilItsResult) {
   EXPECT_NE(made.text.find("rig.cal is written"), std::string::npos) << made.text;
   EXPECT_TRUE(made.look.empty());
   // What is no calibration, or cannot be sent, is one line, and the file can be installed later.
-  ASSERT_TRUE(calibration->install(sensor_, page_));
-  const viewer::CalibrationState refused =
-      until([](const viewer::CalibrationState& told) { return told.wrong; });
-  EXPECT_EQ(refused.step, "calibrated");
+  ASSERT_TRUE(calibration->install(page_, sensor_));
+  const viewer::CalibrationState refused = until(
+      [](const viewer::CalibrationState& told) { return told.wrong && told.step == "calibrated"; });
   EXPECT_NE(refused.text.find("rig.cal"), std::string::npos) << refused.text;
 }
 
@@ -97,33 +98,53 @@ TEST_F(CalibrationPanel, ThePageThatBeganItAloneEndsIt) {
       "while :; do sleep 0.05; done\n");
   const auto calibration = panel();
   EXPECT_FALSE(calibration->end(page_));
-  ASSERT_TRUE(calibration->begin(sensor_, {.board = "9x6:0.06"}, page_));
+  ASSERT_TRUE(calibration->begin(page_, sensor_, {.board = "9x6:0.06"}));
   until("looking");
-  EXPECT_EQ(calibration->begin(sensor_, {.board = "9x6:0.06"}, page_).error(),
-            "a calibration is under way: end it first");
-  EXPECT_EQ(calibration->end(other_).error(),
-            "another page began this calibration: it alone goes on with it");
+  EXPECT_EQ(calibration->begin(page_, sensor_, {.board = "9x6:0.06"}).error(),
+            "a calibration is under way: the page that began it may end it");
+  EXPECT_EQ(
+      calibration->end(other_).error(),
+      "another page, of this computer, began this: only that page goes on with it or ends it");
   ASSERT_TRUE(calibration->end(page_));
   EXPECT_EQ(until("ended").text, "stopped");
 }
 
-TEST_F(CalibrationPanel, APageThatHasGoneKeepsNobodyOut) {
+TEST_F(CalibrationPanel, EndsWithThePageThatBeganItAndKeepsNobodyOut) {
   stand_in("trap 'exit 1' INT\necho '{\"state\": \"looking\"}'\nwhile :; do sleep 0.05; done\n");
   const auto calibration = panel();
-  ASSERT_TRUE(calibration->begin(sensor_, {.board = "9x6:0.06"}, page_));
-  until("looking");
-  page_.reset();
-  EXPECT_TRUE(calibration->end(other_));
-  until("ended");
+  ASSERT_TRUE(calibration->begin(page_, sensor_, {.board = "9x6:0.06"}));
+  EXPECT_EQ(until("looking").by.page, page_.number);
+  there_.reset();
+  EXPECT_EQ(until("ended").text,
+            "the page that began the calibration was closed: its views are kept");
+  calibration->read(sensor_);
+  EXPECT_EQ(until([](const viewer::CalibrationState& told) { return told.by.page == 0; }).step,
+            "ended");
+  ASSERT_TRUE(calibration->begin(other_, sensor_, {.board = "9x6:0.06"}));
+  EXPECT_EQ(until("looking").by.place, "192.0.2.7");
+}
+
+TEST_F(CalibrationPanel, ThePageThatMadeItInstallsItAndOnceItHasGoneAnyOther) {
+  stand_in("echo '{\"state\": \"calibrated\", \"result\": {}}'\n");
+  const auto calibration = panel();
+  ASSERT_TRUE(calibration->begin(page_, sensor_, {.board = "9x6:0.06"}));
+  until([](const viewer::CalibrationState& told) { return told.text.ends_with("is written"); });
+  EXPECT_EQ(calibration->install(other_, sensor_).error(),
+            "another page, of this computer, made this calibration: only that page installs it");
+  there_.reset();
+  ASSERT_TRUE(calibration->install(other_, sensor_));
+  const viewer::CalibrationState refused = until(
+      [](const viewer::CalibrationState& told) { return told.wrong && told.step == "calibrated"; });
+  EXPECT_EQ(refused.by.page, other_.number);
 }
 
 TEST_F(CalibrationPanel, AFailureIsTheProgramsOwnLineAndItEndsWithThePage) {
   stand_in("echo 'a warning' >&2; echo 'stof: no raw pictures came' >&2; exit 1\n");
   auto calibration = panel();
-  ASSERT_TRUE(calibration->begin(sensor_, {.board = "9x6:0.06"}, page_));
+  ASSERT_TRUE(calibration->begin(page_, sensor_, {.board = "9x6:0.06"}));
   EXPECT_EQ(until("failed").text, "no raw pictures came");
   stand_in("trap 'exit 1' INT\necho '{\"state\": \"looking\"}'\nwhile :; do sleep 0.05; done\n");
-  ASSERT_TRUE(calibration->begin(sensor_, {.board = "9x6:0.06"}, page_));
+  ASSERT_TRUE(calibration->begin(page_, sensor_, {.board = "9x6:0.06"}));
   until("looking");
   calibration.reset();  // does not wait for what never ends by itself
 }
@@ -138,7 +159,7 @@ TEST_F(CalibrationPanel, AnUnfinishedCalibrationOfThisSensorGoesOn) {
   const auto calibration = panel();
   calibration->read(sensor_);
   EXPECT_EQ(until("none").kept, 2U);
-  ASSERT_TRUE(calibration->begin(sensor_, {.board = "9x6:0.06", .goes_on = true}, page_));
+  ASSERT_TRUE(calibration->begin(page_, sensor_, {.board = "9x6:0.06", .goes_on = true}));
   EXPECT_EQ(until("failed").folder, before.string());
 }
 
