@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "posix/fd.h"
+#include "posix/named_file.h"
 
 namespace stof::posix {
 namespace {
@@ -68,6 +69,39 @@ int replace_file(const std::string& file, std::span<const std::byte> bytes, mode
     static_cast<void>(flush(folder.get()));
   }
   return 0;
+}
+
+int replace_named_file(const std::string& file, std::span<const std::byte> bytes) {
+  struct stat found{};
+  const bool there = ::lstat(file.c_str(), &found) == 0;
+  if (!there || S_ISREG(found.st_mode)) {
+    constexpr mode_t kPermissions = 0777;
+    const mode_t mode = there ? found.st_mode & kPermissions : 0666;
+    // Of this process: no file of somebody else has this name.
+    const std::string fresh = file + "." + std::to_string(::getpid()) + ".new";
+    ::unlink(fresh.c_str());
+    const Fd out(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode));
+    if (out.is_open()) {
+      if (there) {
+        static_cast<void>(::fchmod(out.get(), mode));  // what the umask took; less is no harm
+      }
+      const bool whole = write_all(out.get(), bytes);
+      if (whole && ::rename(fresh.c_str(), file.c_str()) == 0) {
+        return 0;
+      }
+      const int error = errno;
+      ::unlink(fresh.c_str());
+      if (!whole) {
+        return error;
+      }
+      // A mount of this one file, or another user's in a folder of all.
+    }
+  }
+  const auto out = open_named_file(file, true);
+  if (!out) {
+    return out.error();
+  }
+  return write_all(out->get(), bytes) ? 0 : errno;
 }
 
 }  // namespace stof::posix
