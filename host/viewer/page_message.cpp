@@ -189,6 +189,9 @@ std::optional<Wish> wish_of(const std::string& what, const Json& said) {
   if (what == "update" && has({"file"})) {
     return release_of(said);
   }
+  if (what == "revert" && has({})) {
+    return RevertRelease{};
+  }
   if (what == "calibration" && has({})) {
     return ReadCalibration{};
   }

@@ -90,8 +90,8 @@ struct UpdateState {
   // "none", "sending", "restarting", "trial", "confirmed", "left" (the former one runs again),
   // "failed"
   std::string step = "none";
-  BegunBy by{};  // of this step, as file and what follows
-  std::string file{};
+  BegunBy by{};            // of this step, as file and what follows
+  std::string file{};      // empty: the release of the other slot
   std::uint64_t sent = 0;  // bytes that the sensor has
   std::uint64_t total = 0;
   std::string text{};     // one line of what came of it

@@ -158,6 +158,8 @@ void PageDesk::do_others(const viewer::Page& page, const viewer::Wish& wish,
     done = pairing_.give_up(page);
   } else if (const auto* const release = std::get_if<viewer::PutRelease>(&wish)) {
     done = update_.put(page, sensor(), release->file);
+  } else if (std::holds_alternative<viewer::RevertRelease>(wish)) {
+    done = update_.revert(page, sensor());
   } else if (const auto* const calibrate = std::get_if<viewer::BeginCalibration>(&wish)) {
     done = calibration_.begin(page, sensor(), *calibrate);
   } else if (std::holds_alternative<viewer::EndCalibration>(wish)) {

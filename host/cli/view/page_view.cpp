@@ -146,12 +146,13 @@ void PageView::record(const client::Frame& frame, const client::Receiver& receiv
   }
 }
 
-void PageView::tell(const wire::EventReport& event, const std::string& text) {
+void PageView::tell(const wire::EventReport& event, const std::string& text,
+                    std::optional<std::uint64_t> at_ms) {
   if (recording_) {
     recording_->take(event);
   }
   if (viewer_) {
-    viewer_->tell(event, text);
+    viewer_->tell(event, text, at_ms);
   }
 }
 

@@ -54,6 +54,7 @@ class Page {
   private counted = { at: 0, toldMs: 0, frames: 0, bad: 0, received: 0, drawn: 0 };
   private isConnected = false;
   private wasConnected = false;
+  private refused = false; // the first connection was
   private saying = 0;
   private aspect = "";
   private recording = false;
@@ -133,7 +134,10 @@ class Page {
 
   private connected(is: boolean): void {
     this.isConnected = is;
-    if (!is) this.requests.ended();
+    if (!is) {
+      this.requests.ended();
+      this.refused = true;
+    }
     if (is) {
       this.wasConnected = true;
       this.counted.at = 0;
@@ -400,7 +404,7 @@ class Page {
     if (!this.isConnected) {
       return this.wasConnected
         ? ["stof view has ended or cannot be reached: this page comes back by itself", "major"]
-        : ["connecting", "wait"];
+        : this.refused ? ["Not connected: stof view has ended, or all its places are taken: close another page of it", "major"] : ["connecting", "wait"];
     }
     if (this.silent()) return [`Old picture: ${this.status!.waiting}`, "major"];
     if (this.paused) return ["Paused", "wait"];

@@ -41,6 +41,7 @@ TEST(PageMessage, ReadsEachWish) {
   EXPECT_EQ(wish<GiveDigits>(R"("do":"digits","digits":"123 456")").digits, "123 456");
   wish<EndPairing>(R"("do":"end_pairing")");
   wish<ReadRelease>(R"("do":"release")");
+  wish<RevertRelease>(R"("do":"revert")");
   wish<ReadCalibration>(R"("do":"calibration")");
   wish<EndCalibration>(R"("do":"end_calibration")");
   wish<InstallCalibration>(R"("do":"install")");
