@@ -14,10 +14,4 @@ namespace stof::posix {
 // written in place, without that promise. Blocks until the medium has it.
 int replace_file(const std::string& file, std::span<const std::byte> bytes, mode_t mode);
 
-// The same for a file that somebody names (named_file.h), but for the power: it does not wait for
-// the medium. A file that is there keeps its mode. Where the folder lets nothing take the file's
-// place, and for a character device, it is written in place, without that promise. 0 or an errno,
-// as of open_named_file().
-int replace_named_file(const std::string& file, std::span<const std::byte> bytes);
-
 }  // namespace stof::posix

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <span>
 
-#include "posix/replaced_file.h"
+#include "posix/named_file.h"
 
 namespace stof::dataset {
 namespace {

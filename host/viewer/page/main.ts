@@ -362,7 +362,7 @@ class Page {
       this.loss.add(now, lost);
       find("rate-now").textContent = `${rate.toFixed(1)} /s`;
       find("latency-now").textContent = latency === null ? "–" : `${latency.toFixed(1)} ms`;
-      find("loss-now").textContent = `${bad} frames`;
+      find("loss-now").textContent = `${bad} ${bad === 1 ? "frame" : "frames"}`;
       const sensor = status.health ? `sensor ${status.health.rate_hz.toFixed(1)}, ` : "";
       find("counts").textContent =
         `Frames a second: ${sensor}program ${rate.toFixed(1)}, page ${received.toFixed(1)}, drawn ${drawn.toFixed(1)}. ` +

@@ -84,7 +84,7 @@ export class UpdatePanel {
     find("update-form").hidden = !state.files.length || busy;
     const revert = find<HTMLButtonElement>("update-revert");
     revert.hidden = busy || !state.folder || !state.other || state.other === state.running || !["settled", "left"].includes(state.state);
-    put("update-revert", `Go back to release ${state.other}`);
+    put("update-revert", state.state === "left" ? `Try release ${state.other} again` : `Go back to release ${state.other}`);
     find<HTMLButtonElement>("update-put").disabled = revert.disabled = !this.requests.rights.may;
     put("update-from", !state.folder
       ? "To put a release on the sensor from here, start with its folder: stof view SENSOR --update-from DIR."
@@ -93,7 +93,7 @@ export class UpdatePanel {
     if (busy) {
       const who = this.requests.another(state.by);
       const what = state.file || "the release of its other slot";
-      put("update-who", `${who ? `${who} puts ${what} on the sensor` : `${state.file || "The release of its other slot"} is being put on the sensor`}. Nobody ends an update that has begun.`);
+      put("update-who", `${who ? `${who} puts ${what} on the sensor` : `${state.file || "The release of its other slot"} is being put on the sensor`}. It cannot be ended any more.`);
     } else {
       put("update-who", state.problem || (state.running
         ? `Release ${state.running} runs: ${places[state.state] ?? state.state}.${state.other ? ` In the other slot: ${state.other}.` : ""}`

@@ -225,7 +225,8 @@ class Update(Panels):
         with WebSocket(self.start(View, Board, "--http-port", "0", "--timeout", "60", name="bare").port) as page:
             self.until_done(page, "release")
             self.assertEqual((page.until("update")["folder"], page.until("update")["files"]), ("", []))
-            self.assertIn("--update-from", page.wish("update", file="good.update")["text"])
+            for wish in ({"what": "update", "file": "good.update"}, {"what": "revert"}):
+                self.assertIn("--update-from", page.wish(**wish)["text"])
         view = self.start(View, Board, "--http-port", "0", "--timeout", "60", "--update-from", releases)
         page = self.page(view)
         page.until("status", lambda told: told["health"])
@@ -246,6 +247,11 @@ class Update(Panels):
         self.assertIn("went back to the former release", state["text"])
         self.assertGreater(state["total"], 0)
         self.assertEqual(state["sent"], state["total"])
+        # What is in the other slot is tried again, and left again.
+        self.until_done(page, "revert")
+        self.assertEqual(page.until("update", lambda told: told["step"] in ("restarting", "left"))["file"], "")
+        state = page.until("update", lambda told: told["step"] in ("left", "failed"))
+        self.assertEqual(state["step"], "left", state)
         self.until_done(page, "update", file="good.update")
         state = page.until("update", lambda told: told["step"] in ("trial", "left", "failed"))
         self.assertEqual(state["step"], "trial", state)
