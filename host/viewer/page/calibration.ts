@@ -4,12 +4,27 @@ import { CalibrationLook, CalibrationMessage, CalibrationResult } from "./messag
 
 const askEveryMs = 3000; // while it is open
 const running = ["begin", "subscribing", "reading", "missing", "looking", "calibrating"];
-const kinds: Record<string, { across: string; down: string; size: string; columns: number; rows: number; mm: number; paper: string; help: string }> = {
-  charuco: { across: "Squares across", down: "Squares down", size: "Square", columns: 12, rows: 9, mm: 40, paper: "a2", help: "The best choice: it counts where a camera sees a part of it, so it reaches the corners of both pictures." },
-  chess: { across: "Inner corners across", down: "Inner corners down", size: "Square", columns: 9, rows: 6, mm: 24, paper: "a4", help: "It counts where a camera sees all of it." },
-  aprilgrid: { across: "Tags across", down: "Tags down", size: "Tag", columns: 6, rows: 6, mm: 88, paper: "a1", help: "Kalibr's board, 0.3 of a tag between tags: it counts where a camera sees a part of it." },
+const kinds: Record<string, { across: string; down: string; size: string; columns: number; rows: number; mm: number; help: string }> = {
+  charuco: { across: "Inner corners across", down: "Inner corners down", size: "Square", columns: 12, rows: 9, mm: 40, help: "The best choice: a view counts where a camera sees a part of the board, so it reaches the corners of both pictures." },
+  chess: { across: "Inner corners across", down: "Inner corners down", size: "Square", columns: 9, rows: 6, mm: 24, help: "A view counts where both cameras see all of the board." },
+  aprilgrid: { across: "Tags across", down: "Tags down", size: "Tag", columns: 6, rows: 6, mm: 88, help: "Kalibr's board, 0.3 of a tag between tags: a view counts where a camera sees a part of the board." },
 };
 const eyes = ["left", "right"] as const;
+const gap = 0.3; // between tags, of a tag's side
+
+const papers: [string, number, number][] = [["a4", 210, 297], ["a3", 297, 420], ["a2", 420, 594], ["a1", 594, 841], ["a0", 841, 1189]];
+
+// The smallest that takes the board with its white and its ruler, as stof calib target judges.
+function paperFor(kind: string, columns: number, rows: number, mm: number): string {
+  const length = (count: number) => mm * (kind === "aprilgrid" ? count + (count + 1) * gap : count + 1);
+  const [width, height] = [length(columns), length(rows)];
+  const white = 2 * Math.max(mm / 2, 5);
+  const ruler = 14;
+  return papers.find(([, short, long]) => {
+    const [w, h] = width > height ? [long, short] : [short, long];
+    return width + white <= w && height + white + ruler <= h;
+  })?.[0] ?? "a0";
+}
 
 // What each want asks for, in short, and how the board is held for it.
 const wantNames: Record<string, string> = {
@@ -82,7 +97,7 @@ export class CalibrationPanel {
     const number = (id: string) => Number(find<HTMLInputElement>(id).value);
     const size = Number((number("cal-size") / 1000).toFixed(6));
     const places = `${number("cal-columns")}x${number("cal-rows")}:${size}`;
-    return kind === "chess" ? places : kind === "charuco" ? `charuco:${places}` : `aprilgrid:${places}:0.3`;
+    return kind === "chess" ? places : kind === "charuco" ? `charuco:${places}` : `aprilgrid:${places}:${gap}`;
   }
 
   private choose(): void {
@@ -98,9 +113,11 @@ export class CalibrationPanel {
   private sketch(): void {
     const name = find<HTMLSelectElement>("cal-kind").value;
     const kind = kinds[name];
-    put("cal-help", `${kind.help} Print it at 100 percent, glue it onto something flat and stiff, and measure it along ten of them: stof calib target --board ${this.board()} --paper ${kind.paper} --out board.pdf`);
+    const number = (id: string) => Number(find<HTMLInputElement>(id).value);
+    const paper = paperFor(name, number("cal-columns"), number("cal-rows"), number("cal-size"));
+    put("cal-help", `${kind.help} Print it at 100 percent, glue it onto something flat and stiff, and measure ${name === "aprilgrid" ? "a tag" : "along ten squares"}: stof calib target --board ${this.board()} --paper ${paper} --out board.pdf`);
     const count = (id: string) => Math.min(40, Math.max(1, Math.floor(Number(find<HTMLInputElement>(id).value)) || 1));
-    const more = name === "chess" ? 1 : 0; // squares beyond the inner corners
+    const more = name === "aprilgrid" ? 0 : 1; // squares beyond the inner corners
     const [columns, rows] = [count("cal-columns") + more, count("cal-rows") + more];
     const canvas = find<HTMLCanvasElement>("cal-sketch");
     const cell = Math.max(4, Math.floor(Math.min(220 / columns, 150 / rows)));
@@ -239,8 +256,8 @@ export class CalibrationPanel {
   private showResult(result: CalibrationResult, step: string): void {
     const held = result.held_out;
     const rows: [string, string][] = [
-      ["Views", `${result.views}${held ? `, and ${held.views} that judge` : ""}`],
-      ["Reprojection error", `${result.reprojection_px.toFixed(3)} px${held ? `, of the views that judge ${held.reprojection_px.toFixed(3)} px` : ""}`],
+      ["Views", `${result.views} to fit${held ? `, ${held.views} to judge by` : ""}`],
+      ["Reprojection error", `${result.reprojection_px.toFixed(3)} px${held ? `; of the views to judge by ${held.reprojection_px.toFixed(3)} px` : ""}`],
       ...(held ? [["Rows apart", `${held.row_px.toFixed(3)} px (good: 0.3 or less)`], ["Squares", `${(100 * held.scale_error).toFixed(2)} percent off (good: 0.5 or less)`]] as [string, string][] : []),
       ["Baseline", `${(1000 * result.baseline_m).toFixed(1)} mm`],
       ["File", result.file],

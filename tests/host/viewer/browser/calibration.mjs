@@ -33,7 +33,7 @@ export function calibrationChecks({ bin, open, text, live, shot, phone }) {
       }
       const sensor = await startSensor(bin, 0, [...size, "--period-ms", "100", "--no-tof", "--settings", settings, ...scene, "--poses", "wave:26,3", "--hold", "20"]);
       const page = await openWith(own);
-      assert.match(await text(page.page, "cal-help"), /--board charuco:12x9:0.04 --paper a2/);
+      assert.match(await text(page.page, "cal-help"), /--board charuco:12x9:0.04 --paper a1/);
       if (!rig) {
         await until("one line", async () => (await text(page.page, "cal-absent")).startsWith("calibration: this stof was built without it: "));
         assert.ok(await page.page.locator("#cal-start").isHidden());
@@ -42,7 +42,12 @@ export function calibrationChecks({ bin, open, text, live, shot, phone }) {
         await sensor.stop();
         return;
       }
-      await page.page.locator("#cal-kind").selectOption("chess");
+      // The command that it gives prints the board.
+      for (const kind of ["charuco", "aprilgrid", "chess"]) {
+        await page.page.locator("#cal-kind").selectOption(kind);
+        const words = (await text(page.page, "cal-help")).match(/stof (calib target .*)board\.pdf$/)[1].trim().split(" ");
+        execFileSync(join(bin, "stof"), [...words, join(folder, `${kind}.pdf`)]);
+      }
       await page.page.locator("#cal-size").fill("60");
       await until("views of before", async () => /^Go on with 18 views/.test(await text(page.page, "cal-go-on")));
       await shot(page.page, "calibration_begin");

@@ -189,7 +189,7 @@ const checks = {
     }
     await choose(page, "base", "depth");
     const reached = new Set();
-    for (let n = 0; n < 16; ++n) {
+    for (let n = 0; n < 30; ++n) {
       await page.keyboard.press("Tab");
       reached.add(await page.evaluate(() => document.activeElement?.id || document.activeElement?.getAttribute("name")));
     }
