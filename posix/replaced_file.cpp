@@ -9,22 +9,10 @@
 #include <unistd.h>
 
 #include "posix/fd.h"
+#include "posix/named_file.h"
 
 namespace stof::posix {
 namespace {
-
-bool write_all(int fd, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
-    if (written > 0) {
-      bytes = bytes.subspan(static_cast<std::size_t>(written));
-    } else if (written == 0 || errno != EINTR) {
-      errno = written == 0 ? ENOSPC : errno;
-      return false;
-    }
-  }
-  return true;
-}
 
 // Pipes and devices cannot be flushed, nor some folders.
 bool flush(int fd) { return ::fsync(fd) == 0 || errno == EINVAL || errno == ENOTSUP; }

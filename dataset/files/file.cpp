@@ -4,8 +4,7 @@
 #include <charconv>
 #include <cstring>
 #include <fstream>
-
-#include <unistd.h>
+#include <span>
 
 #include "posix/named_file.h"
 
@@ -81,19 +80,8 @@ std::unexpected<Problem> refuse_to_write(const std::filesystem::path& file, int 
 
 std::expected<void, Problem> write_whole(const std::filesystem::path& file,
                                          std::string_view bytes) {
-  const auto fd = posix::open_named_file(file.string(), true);
-  if (!fd) {
-    return refuse_to_write(file, fd.error());
-  }
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(fd->get(), bytes.data(), bytes.size());
-    if (written > 0) {
-      bytes.remove_prefix(static_cast<std::size_t>(written));
-    } else if (written == 0 || errno != EINTR) {
-      return refuse_to_write(file, written == 0 ? ENOSPC : errno);
-    }
-  }
-  return {};
+  const int error = posix::replace_named_file(file.string(), std::as_bytes(std::span(bytes)));
+  return error == 0 ? std::expected<void, Problem>() : refuse_to_write(file, error);
 }
 
 bool is_there(const std::filesystem::path& file) {

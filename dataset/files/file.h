@@ -27,7 +27,8 @@ std::filesystem::path file_of(const std::filesystem::path& prefix, const char* e
 Loaded<std::string> read_whole(const std::filesystem::path& file, std::size_t max_bytes);
 
 // The file is what `bytes` are, whatever it was before: the one way to write a file by its name.
-// Refused: a link, also one that leads nowhere, and a pipe; a character device is written to.
+// Never a part of them: on a full disk it is as it was (posix::replace_named_file()). Refused: a
+// link, also one that leads nowhere, and a pipe; a character device is written to.
 std::expected<void, Problem> write_whole(const std::filesystem::path& file, std::string_view bytes);
 // Why such a file cannot be written, by its errno.
 std::unexpected<Problem> refuse_to_write(const std::filesystem::path& file, int error);

@@ -1,6 +1,6 @@
 #include "host/cli/calib_install.h"
 
-#include <filesystem>
+#include <span>
 
 #include "dataset/files/file.h"
 #include "firmware/wire/calibration/calibration_file.h"
@@ -43,53 +43,56 @@ InstallWords read_words(const CalibInstallOptions& options) {
   return words;
 }
 
-// What no sensor takes is told before anything is sent.
-std::string read_file(const std::filesystem::path& file) {
+}  // namespace
+
+std::string read_calibration_bytes(const std::filesystem::path& file) {
   std::string bytes = value_or_fail(dataset::read_whole(file, kMostBytes));
   static_cast<void>(value_or_fail(read_calibration(file)));
   return bytes;
 }
 
-}  // namespace
-
-void calib_install(const CalibInstallOptions& options) {
-  need_crypto();
-  const InstallWords words = read_words(options);
-  const std::string bytes = options.factory ? std::string() : read_file(words.file);
-  const auto way = open_upload_way("calib install", words.sensor, options, options.patience_s);
-  ProgressLine line;
-  auto answer =
-      options.factory
-          ? way->uploads.revert(wire::UploadKind::kCalibration)
-          : way->uploads.upload(wire::UploadKind::kCalibration, std::as_bytes(std::span(bytes)),
-                                [&line](std::size_t now, std::size_t all) { line.show(now, all); });
-  line.end();
+Installed put_calibration(UploadWay& way, const std::string& bytes,
+                          const std::function<void(std::size_t, std::size_t)>& sent) {
+  auto answer = bytes.empty() ? way.uploads.revert(wire::UploadKind::kCalibration)
+                              : way.uploads.upload(wire::UploadKind::kCalibration,
+                                                   std::as_bytes(std::span(bytes)), sent);
   if (!answer) {
     throw Failure(Exit::kFailure, answer.error().message);
   }
   if (answer->result != wire::SettingsResult::kOk) {
-    refuse_upload(*answer, way->place);
+    refuse_upload(*answer, way.place);
   }
-  const std::uint32_t sent = wire::calibration_fingerprint(std::as_bytes(std::span(bytes)));
-  if (!options.factory && answer->fingerprint != sent) {
+  const std::uint32_t meant = wire::calibration_fingerprint(std::as_bytes(std::span(bytes)));
+  if (!bytes.empty() && answer->fingerprint != meant) {
     throw Failure(
         Exit::kFailure,
-        way->place +
+        way.place +
             printed(": says that calibration %08x is in force, and was sent %08x",
-                    answer->fingerprint, sent) +
+                    answer->fingerprint, meant) +
             ": something else answers in the sensor's place, or it cannot use it (stof view)");
   }
-  way->remember();
+  way.remember();
+  return {.fingerprint = answer->fingerprint, .former = answer->former};
+}
+
+void calib_install(const CalibInstallOptions& options) {
+  need_crypto();
+  const InstallWords words = read_words(options);
+  const std::string bytes = options.factory ? std::string() : read_calibration_bytes(words.file);
+  const auto way = open_upload_way("calib install", words.sensor, options, options.patience_s);
+  ProgressLine line;
+  const Installed done = put_calibration(
+      *way, bytes, [&line](std::size_t now, std::size_t all) { line.show(now, all); });
+  line.end();
   if (options.json) {
     nlohmann::ordered_json json = way->json();
-    json["calibration"] = printed("%08x", answer->fingerprint);
-    json["former"] = printed("%08x", answer->former);
+    json["calibration"] = printed("%08x", done.fingerprint);
+    json["former"] = printed("%08x", done.former);
     json["factory"] = options.factory;
     say_json(json);
   } else {
     say(printed("%s: calibration %08x is in force%s; it was %08x", way->who().c_str(),
-                answer->fingerprint, options.factory ? ", the factory's" : " and kept",
-                answer->former));
+                done.fingerprint, options.factory ? ", the factory's" : " and kept", done.former));
   }
 }
 

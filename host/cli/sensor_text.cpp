@@ -147,7 +147,9 @@ std::string link_text(const client::LinkState& link) {
 std::string health_line(const wire::HealthReport& health) {
   std::string line = std::string("health: ") + severity_text(health.severity) + ", up " +
                      std::to_string(health.uptime_ms / 1000) + " s, " + last_second(health) +
-                     std::to_string(health.subscribers) + " subscribers" + active_text(health);
+                     std::to_string(health.subscribers) +
+                     (health.subscribers == 1 ? " subscriber" : " subscribers") +
+                     active_text(health);
   if (health.active != 0) {
     line += std::string("; ") + reaction_text(health.reaction);
   }

@@ -24,9 +24,10 @@ enum class Topic : std::uint8_t {
   kRecording,
   kPlayback,
   kPairing,
-  kUpdate
+  kUpdate,
+  kCalibration
 };
-inline constexpr std::size_t kTopics = 7;
+inline constexpr std::size_t kTopics = 8;
 
 // What a page that has connected may have done, and where it is.
 struct Visitor {

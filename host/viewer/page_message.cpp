@@ -126,6 +126,16 @@ std::optional<Wish> release_of(const Json& said) {
   return PutRelease{*file};
 }
 
+// "charuco:12x9:0.04": no word of a command line is made of it that begins with "-".
+std::optional<Wish> calibration_of(const Json& said) {
+  const auto* const board =
+      text_in(said, "board", kMostName, "abcdefghijklmnopqrstuvwxyz0123456789:.");
+  if (board == nullptr || board->empty() || !said["goes_on"].is_boolean()) {
+    return std::nullopt;
+  }
+  return BeginCalibration{.board = *board, .goes_on = said["goes_on"].get<bool>()};
+}
+
 template <typename Switch>
 std::optional<Wish> switch_of(const Json& said) {
   return said["on"].is_boolean() ? std::optional<Wish>(Switch{said["on"].get<bool>()})
@@ -178,6 +188,21 @@ std::optional<Wish> wish_of(const std::string& what, const Json& said) {
   }
   if (what == "update" && has({"file"})) {
     return release_of(said);
+  }
+  if (what == "revert" && has({})) {
+    return RevertRelease{};
+  }
+  if (what == "calibration" && has({})) {
+    return ReadCalibration{};
+  }
+  if (what == "calibrate" && has({"board", "goes_on"})) {
+    return calibration_of(said);
+  }
+  if (what == "end_calibration" && has({})) {
+    return EndCalibration{};
+  }
+  if (what == "install" && has({})) {
+    return InstallCalibration{};
   }
   return std::nullopt;
 }

@@ -50,9 +50,18 @@ struct ReadRelease {};
 struct PutRelease {
   std::string file{};  // a name in the folder of releases, and no path
 };
-using Wish =
-    std::variant<ReadSettings, ChangeSettings, SaveSettings, GiveFault, SetRecording, SetPlaying,
-                 SeekTo, BeginPairing, GiveDigits, EndPairing, ReadRelease, PutRelease>;
+struct RevertRelease {};  // the release of the other slot is tried
+struct ReadCalibration {};
+struct BeginCalibration {
+  std::string board{};   // as --board of `stof calib stereo` takes it
+  bool goes_on = false;  // with the views of the last one, where it has not ended
+};
+struct EndCalibration {};
+struct InstallCalibration {};
+using Wish = std::variant<ReadSettings, ChangeSettings, SaveSettings, GiveFault, SetRecording,
+                          SetPlaying, SeekTo, BeginPairing, GiveDigits, EndPairing, ReadRelease,
+                          PutRelease, RevertRelease, ReadCalibration, BeginCalibration,
+                          EndCalibration, InstallCalibration>;
 
 struct Request {
   std::uint32_t id = 0;  // of the page's choice: its answer has it, too

@@ -102,4 +102,20 @@ std::string update_message(const UpdateState& state) {
                      {"problem", state.problem}});
 }
 
+std::string calibration_message(const CalibrationState& state) {
+  const auto object = [](const std::string& text) {
+    return text.empty() ? nlohmann::json(nullptr) : nlohmann::json::parse(text, nullptr, false);
+  };
+  return dump_panel({{"type", "calibration"},
+                     {"step", state.step},
+                     {"by", begun_json(state.by)},
+                     {"text", state.text},
+                     {"wrong", state.wrong},
+                     {"folder", state.folder},
+                     {"kept", state.kept},
+                     {"look", object(state.look)},
+                     {"result", object(state.result)},
+                     {"problem", state.problem}});
+}
+
 }  // namespace stof::viewer

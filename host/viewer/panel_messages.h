@@ -90,8 +90,8 @@ struct UpdateState {
   // "none", "sending", "restarting", "trial", "confirmed", "left" (the former one runs again),
   // "failed"
   std::string step = "none";
-  BegunBy by{};  // of this step, as file and what follows
-  std::string file{};
+  BegunBy by{};            // of this step, as file and what follows
+  std::string file{};      // empty: the release of the other slot
   std::uint64_t sent = 0;  // bytes that the sensor has
   std::uint64_t total = 0;
   std::string text{};     // one line of what came of it
@@ -102,5 +102,20 @@ struct UpdateState {
   std::string problem{};  // one line: why that is not known
 };
 std::string update_message(const UpdateState& state);
+
+struct CalibrationState {
+  // "none", "begin", the states of `stof calib stereo --live --json`, "calibrated" (a file is
+  // there), "ended" (as asked), "failed", "installing", "installed"
+  std::string step = "none";
+  BegunBy by{};            // of this step; nobody, too, once that page has gone and it has ended
+  std::string text{};      // one line: what to do, or what came of it
+  bool wrong = false;      // an install was refused: `text` says why
+  std::string folder{};    // of its files
+  std::uint64_t kept = 0;  // views of an unfinished one, which the next may go on with
+  std::string look{};      // the newest exposure: a JSON object; empty: none
+  std::string result{};    // likewise, of the calibration
+  std::string problem{};   // one line: why there is no calibration here; empty: there is
+};
+std::string calibration_message(const CalibrationState& state);
 
 }  // namespace stof::viewer

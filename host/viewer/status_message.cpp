@@ -112,14 +112,15 @@ std::string status_message(const Status& status) {
   return dumped(json);
 }
 
-std::string event_message(const wire::EventReport& event, const std::string& text) {
+std::string event_message(const wire::EventReport& event, const std::string& text,
+                          std::uint64_t at_ms) {
   return dumped({{"type", "event"},
                  {"text", text},
                  {"condition", event.condition},
                  {"severity", event.severity},
                  {"active", event.active != 0},
                  {"count", event.count},
-                 {"time_ms", milliseconds(std::chrono::system_clock::now())}});
+                 {"time_ms", at_ms}});
 }
 
 }  // namespace stof::viewer

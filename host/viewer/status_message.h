@@ -26,7 +26,8 @@ struct Status {
 };
 std::string status_message(const Status& status);
 
-// text: the line that is printed.
-std::string event_message(const wire::EventReport& event, const std::string& text);
+// text: the line that is printed. at_ms: when it was heard of (Unix).
+std::string event_message(const wire::EventReport& event, const std::string& text,
+                          std::uint64_t at_ms);
 
 }  // namespace stof::viewer

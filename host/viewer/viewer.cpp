@@ -180,8 +180,11 @@ void Viewer::tell(const bridge::RobotFeed::Link& link) {
   }
 }
 
-void Viewer::tell(const wire::EventReport& event, const std::string& text) {
-  parts_->broadcast->tell_event(event_message(event, text));
+void Viewer::tell(const wire::EventReport& event, const std::string& text,
+                  std::optional<std::uint64_t> at_ms) {
+  constexpr std::int64_t kNsOfMs = 1'000'000;
+  parts_->broadcast->tell_event(
+      event_message(event, text, at_ms.value_or(static_cast<std::uint64_t>(wall_ns() / kNsOfMs))));
   parts_->wake->pages();
 }
 

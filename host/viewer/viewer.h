@@ -55,7 +55,9 @@ class Viewer {
   void tell(const Status& status);
   // The state as diagnostics, to clients of Foxglove's protocol.
   void tell(const bridge::RobotFeed::Link& link);
-  void tell(const wire::EventReport& event, const std::string& text);
+  // at_ms: when it was heard of (Unix); none: now.
+  void tell(const wire::EventReport& event, const std::string& text,
+            std::optional<std::uint64_t> at_ms = std::nullopt);
   // For any thread.
   void tell(Topic topic, std::string json);
 

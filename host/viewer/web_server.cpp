@@ -31,6 +31,7 @@ constexpr std::size_t kHugePacket = 64U << 20;  // a frame is given to the socke
 // One connection. libwebsockets keeps the pointer.
 struct Connection {
   std::unique_ptr<Conversation> conversation{};  // none: plain HTTP
+  PageOrigin origin{};                           // whose place it has
   std::string message{};                         // of the page, as far as it has come
 };
 
@@ -96,7 +97,8 @@ struct WebServer::Parts {
     PageOrigin origin{};
   };
 
-  explicit Parts(WebServerOptions all) : options(std::move(all)) {}
+  explicit Parts(WebServerOptions all)
+      : options(std::move(all)), places(options.places, geteuid()) {}
   ~Parts() {
     stopping = true;
     if (guard_thread.joinable()) {
@@ -129,6 +131,7 @@ struct WebServer::Parts {
   static int on_message(lws* wsi, Connection& connection, std::string_view part);
   int on_writeable(lws* wsi, Connection& connection);
   Access access(lws* wsi) const;
+  PageOrigin origin_at(lws* wsi) const;
   std::vector<const Subprotocol*> offered(lws* wsi) const;
 
   WebServerOptions options;
@@ -137,7 +140,7 @@ struct WebServer::Parts {
   lws_context* context = nullptr;
   lws_vhost* host = nullptr;
   std::vector<std::uint8_t> scratch{};  // what is sent, behind LWS_PRE bytes
-  std::size_t pages = 0;
+  PagePlaces places;
   std::mutex visits_mutex;
   std::vector<Visit> visits{};                    // that came since the server's thread looked
   std::unordered_map<int, PageOrigin> origins{};  // by the socket's descriptor
@@ -200,7 +203,7 @@ bool WebServer::Parts::start() {
   info.uid = ~decltype(info.uid){0};
   info.options = LWS_SERVER_OPTION_DISABLE_IPV6 | LWS_SERVER_OPTION_EXPLICIT_VHOSTS;
   info.fd_limit_per_thread =
-      static_cast<unsigned>(options.max_pages + kMostWaiting + kSpareDescriptors);
+      static_cast<unsigned>(options.places.most + kMostWaiting + kSpareDescriptors);
   info.max_http_header_data = 2 * kMostHeaderBytes;
   info.timeout_secs = kRequestSeconds;
   info.timeout_secs_ah_idle = kRequestSeconds;
@@ -235,6 +238,12 @@ std::vector<const Subprotocol*> WebServer::Parts::offered(lws* wsi) const {
     all.push_back(&*known);
   }
   return all;
+}
+
+// Of who has connected; nobody's where that is not known.
+PageOrigin WebServer::Parts::origin_at(lws* wsi) const {
+  const auto known = origins.find(lws_get_socket_fd(wsi));
+  return known == origins.end() ? PageOrigin{} : known->second;
 }
 
 Access WebServer::Parts::access(lws* wsi) const {
@@ -305,7 +314,7 @@ int WebServer::Parts::on_upgrade(lws* wsi) const {
   unsigned status = 0;
   if (access(wsi) != Access::kGranted) {
     status = HTTP_STATUS_FORBIDDEN;
-  } else if (pages >= options.max_pages) {
+  } else if (!places.has_room_for(origin_at(wsi))) {
     status = HTTP_STATUS_SERVICE_UNAVAILABLE;
   } else if (offered(wsi).empty()) {
     status = HTTP_STATUS_BAD_REQUEST;
@@ -318,15 +327,14 @@ int WebServer::Parts::on_upgrade(lws* wsi) const {
 }
 
 int WebServer::Parts::on_connected(lws* wsi, Slot& slot) {
-  if (pages >= options.max_pages) {
-    return -1;
-  }
-  const auto known = origins.find(lws_get_socket_fd(wsi));
-  PageOrigin page = known == origins.end() ? PageOrigin{} : known->second;
+  PageOrigin page = origin_at(wsi);
   page.names_origin = !header(wsi, WSI_TOKEN_ORIGIN).empty();
   const std::string_view name = lws_get_protocol(wsi)->name;  // of a copy of ours
   const auto spoken = std::ranges::find(options.subprotocols, name, &Subprotocol::name);
   if (spoken == options.subprotocols.end()) {
+    return -1;
+  }
+  if (!places.take(page)) {
     return -1;
   }
   auto conversation =
@@ -334,8 +342,8 @@ int WebServer::Parts::on_connected(lws* wsi, Slot& slot) {
                                  .pair = judge_pairing(page, geteuid()),
                                  .place = place_of(page)});
   // The slot is libwebsockets' memory: whoever closes the connection deletes it.
-  slot.connection = new Connection{.conversation = std::move(conversation)};  // NOLINT
-  ++pages;
+  slot.connection =
+      new Connection{.conversation = std::move(conversation), .origin = page};  // NOLINT
   return 0;
 }
 
@@ -403,8 +411,8 @@ int WebServer::Parts::callback(lws* wsi, lws_callback_reasons reason, void* user
       return slot->connection == nullptr ? -1 : parts->on_writeable(wsi, *slot->connection);
     case LWS_CALLBACK_CLOSED:
       if (slot != nullptr && slot->connection != nullptr) {
+        parts->places.give_back(slot->connection->origin);
         delete std::exchange(slot->connection, nullptr);  // NOLINT: made by on_connected()
-        --parts->pages;
       }
       return 0;
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED:

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/viewer/conversation.h"
+#include "host/viewer/page_places.h"
 #include "host/viewer/page_rights.h"
 #include "host/viewer/web_access.h"
 
@@ -37,7 +38,7 @@ struct WebServerOptions {
   bool every_interface = false;  // false: loopback alone
   std::uint16_t port = 0;        // 0: any free one
   bool or_any_port = false;      // where that one is taken
-  std::size_t max_pages = 8;     // connected at a time; the next is refused (503)
+  PlaceRules places{};           // of those that are connected; whoever has none is refused (503)
 };
 
 // Serves one page over HTTP and talks with it over a WebSocket, in a thread of its own, by

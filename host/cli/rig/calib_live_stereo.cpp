@@ -3,6 +3,8 @@
 #include "host/calibrate/rig/live/coverage_picture.h"
 #include "host/calibrate/rig/live/sighting.h"
 #include "host/cli/failure.h"
+#include "host/cli/json_output.h"
+#include "host/cli/rig/live_stereo_json.h"
 #include "host/cli/rig/live_views.h"
 #include "host/cli/stop_signal.h"
 #include "host/text/printed.h"
@@ -25,8 +27,8 @@ class LiveStereo {
   // Until all views are there, with the calibration that they make.
   TargetCalibration run() {
     LiveShots shots(options_.live, false);
-    LiveLines::say("subscribing at " + options_.live.sensor + "; views are kept in " +
-                   kept_.folder().string() + ", what they cover in coverage.png there");
+    tell("subscribing", "subscribing at " + options_.live.sensor + "; views are kept in " +
+                            kept_.folder().string() + ", what they cover in coverage.png there");
     while (std::optional<RawShot> shot = shots.next(kept_text())) {
       // Its calibration comes with the first frames.
       if (!guide_ && !shots.told_lens() && ++untold_ < kUntold) {
@@ -70,7 +72,7 @@ class LiveStereo {
                                     .most_motion_px = options_.live.most_motion_px,
                                     .most_blur_px = options_.most_blur_px});
     if (!kept_.empty()) {
-      LiveLines::say(printed("reading %zu views that were kept", kept_.count()));
+      tell("reading", printed("reading %zu views that were kept", kept_.count()));
       TargetViews before = value_or_fail(find_views(kept_.folder(), target_, asked_to_stop));
       if (before.stopped) {
         throw Failure(Exit::kFailure, "stopped: " + kept_text());
@@ -83,10 +85,10 @@ class LiveStereo {
       for (PairView& view : before.views) {
         guide_->add(sighting_of(std::move(view), target_.board, lens_));
       }
-      LiveLines::say(printed("views of before: %zu; ", guide_->views().size()) + missing());
+      tell("missing", printed("views of before: %zu; ", guide_->views().size()) + missing());
       draw();
     } else {
-      LiveLines::say(missing());
+      tell("missing", missing());
     }
   }
 
@@ -96,20 +98,40 @@ class LiveStereo {
     const auto look = [&](Corners how) {
       return sighting_of(shot.left, shot.right, target_.board, lens_, name, how);
     };
-    const ViewJudgement judgement =
-        guide_->judge(look(Corners::kRough), [&look] { return look(Corners::kFine); });
-    if (judgement.verdict != ViewVerdict::kTaken) {
-      lines_.tell(static_cast<int>(judgement.verdict), verdict_text(judgement, guide_->options()));
-      return false;
+    const Sighting rough = look(Corners::kRough);
+    const ViewJudgement judgement = guide_->judge(rough, [&look] { return look(Corners::kFine); });
+    const bool taken = judgement.verdict == ViewVerdict::kTaken;
+    std::string text;
+    if (taken) {
+      kept_.write(name, shot);
+      draw();
+      text = printed("%s: taken (corners moved by %.2f px, edges are %.2f px wide), %zu in all; ",
+                     name.c_str(), judgement.motion_px, judgement.blur_px, guide_->views().size()) +
+             missing();
+    } else {
+      text = verdict_text(judgement, guide_->options());
     }
-    kept_.write(name, shot);
-    draw();
-    LiveLines::say(printed("%s: taken (corners moved by %.2f px, edges are %.2f px wide), %zu in "
-                           "all; ",
-                           name.c_str(), judgement.motion_px, judgement.blur_px,
-                           guide_->views().size()) +
-                   missing());
-    return true;
+    if (options_.json) {
+      say_json_line(look_json({.shot = shot,
+                               .corners = rough.corners,
+                               .judgement = judgement,
+                               .guide = *guide_,
+                               .text = std::move(text)},
+                              options_.picture_width));
+    } else if (taken) {
+      LiveLines::say(text);
+    } else {
+      lines_.tell(static_cast<int>(judgement.verdict), text);
+    }
+    return taken;
+  }
+
+  void tell(const char* state, const std::string& text) const {
+    if (options_.json) {
+      say_json_line(stage_json(state, text));
+    } else {
+      LiveLines::say(text);
+    }
   }
 
   std::string missing() const {
@@ -128,7 +150,7 @@ class LiveStereo {
     if (!guide_->complete()) {
       return std::nullopt;
     }
-    LiveLines::say("all views are there: calibrating");
+    tell("calibrating", "all views are there: calibrating");
     TargetViews views{
         .width = lens_.width, .height = lens_.height, .views = guide_->views(), .refused = {}};
     bool stopped = false;
@@ -145,7 +167,7 @@ class LiveStereo {
       throw Failure(Exit::kBadInput, why + "; " + kept_text());
     }
     guide_->want_more(kMoreViews);
-    LiveLines::say("missing: " + why);
+    tell("missing", "missing: " + why);
     return std::nullopt;
   }
 

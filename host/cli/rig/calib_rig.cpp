@@ -144,6 +144,17 @@ void add_stereo(CLI::App& calib, CalibStereoOptions& options) {
       ->capture_default_str();
   command.add_option("--html", options.page,
                      "--target, --live: a page with the residuals of each view");
+  add_json_flag(command, options.json);
+  CLI::Option* const json = command.get_option("--json")->excludes(planes);
+  json->description("JSON, and nothing else: of --live an object a line, of --target one");
+  command
+      .add_option(
+          "--picture-width", options.picture_width,
+          "--live --json: both pictures of each exposure that was looked at, PNG in base64, "
+          "so many px wide or less; 0: none")
+      ->needs(json)
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
   add_planes_flags(command, options);
   command.callback([&options] { calib_stereo(options); });
 }
@@ -280,6 +291,8 @@ void calib_target(const CalibTargetOptions& options) {
   std::printf("%s: %g x %g mm; print at 100 percent, and measure a square\n", options.out.c_str(),
               sheet.width_mm, sheet.height_mm);
 }
+
+bool has_calib_rig() noexcept { return true; }
 
 void add_calib_rig(CLI::App& calib, CalibRigOptions& options) {
   add_stereo(calib, options.stereo);

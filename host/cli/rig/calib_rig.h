@@ -38,6 +38,8 @@ struct CalibStereoOptions {
   int hold_out = -1;  // every so many; -1: the command's own
   double most_blur_px = 1.5;
   bool force = false;
+  bool json = false;      // of --target and --live
+  int picture_width = 0;  // of the pictures in --live --json, px; 0: none
   // Of --planes.
   std::vector<double> distances{};           // with --live: of the walls that are shown, m
   std::vector<double> baseline{0.2, 0.002};  // m and its sigma
@@ -90,6 +92,13 @@ struct CalibRigOptions {
   CalibExchangeOptions export_to;
   CalibTargetOptions target;
 };
+
+// False: the commands say what this build lacks, as kRigAbsence.
+bool has_calib_rig() noexcept;
+// One line: what to do for a `stof` that has the commands.
+inline constexpr const char* kRigAbsence =
+    "this stof was built without it: run scripts/setup calib, build preset calib, and use that "
+    "stof";
 
 // How each of the commands is called, whether this build has it or not.
 std::string calib_rig_example(std::string_view command);

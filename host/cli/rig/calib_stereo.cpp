@@ -3,7 +3,9 @@
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/rig/report/rig_report.h"
 #include "host/cli/failure.h"
+#include "host/cli/json_output.h"
 #include "host/cli/output.h"
+#include "host/cli/rig/live_stereo_json.h"
 #include "host/cli/rig/live_views.h"
 
 namespace stof::host {
@@ -36,7 +38,7 @@ TargetCalibration of_folder(const CalibStereoOptions& options, const TargetOptio
   const std::vector<RefusedView> refused = views.refused;
   dataset::Loaded<TargetCalibration> found = calibrate_target(std::move(views), target);
   if (!found) {
-    for (const RefusedView& view : refused) {
+    for (const RefusedView& view : options.json ? std::vector<RefusedView>() : refused) {
       std::printf("left out: %s: %s\n", view.name.c_str(), view.why.c_str());
     }
     throw Failure(Exit::kBadInput, options.target.string() + ": " + found.error().message);
@@ -50,7 +52,9 @@ void by_target(const CalibStereoOptions& options) {
   const dsp::Calibration start = start_of(options, stored);
   const TargetCalibration found =
       options.live.on() ? calib_live_stereo(options, target) : of_folder(options, target);
-  std::printf("%s", target_text(found).c_str());
+  if (!options.json) {
+    std::printf("%s", target_text(found).c_str());
+  }
   if (!options.page.empty()) {
     value_or_fail(write_target_page(found, options.page));
   }
@@ -63,7 +67,15 @@ void by_target(const CalibStereoOptions& options) {
                   options.start.string() + ": " + why + "; or give --force, no file is written");
   }
   value_or_fail(write_calibration(options.out, with_pair(start, found.fit.rig)));
-  std::printf("%s\n", options.out.c_str());
+  if (!options.json) {
+    std::printf("%s\n", options.out.c_str());
+  } else if (options.live.on()) {
+    nlohmann::ordered_json line = stage_json("calibrated", options.out.string() + " is written");
+    line["result"] = target_json(found, options.out);
+    say_json_line(line);
+  } else {
+    say_json(target_json(found, options.out));
+  }
 }
 
 double second_or(const std::vector<double>& numbers, double share) {

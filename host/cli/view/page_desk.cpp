@@ -41,6 +41,12 @@ PageDesk::PageDesk(DeskOptions options)
               [this](const viewer::UpdateState& state) {
                 tell(viewer::Topic::kUpdate, viewer::update_message(state));
               }),
+      calibration_({.config = options_.config,
+                    .folder = options_.calibrate_in,
+                    .absence = options_.calibration_absence},
+                   [this](const viewer::CalibrationState& state) {
+                     tell(viewer::Topic::kCalibration, viewer::calibration_message(state));
+                   }),
       thread_([this] { run(); }) {}
 
 PageDesk::~PageDesk() {
@@ -152,6 +158,16 @@ void PageDesk::do_others(const viewer::Page& page, const viewer::Wish& wish,
     done = pairing_.give_up(page);
   } else if (const auto* const release = std::get_if<viewer::PutRelease>(&wish)) {
     done = update_.put(page, sensor(), release->file);
+  } else if (std::holds_alternative<viewer::RevertRelease>(wish)) {
+    done = update_.revert(page, sensor());
+  } else if (const auto* const calibrate = std::get_if<viewer::BeginCalibration>(&wish)) {
+    done = calibration_.begin(page, sensor(), *calibrate);
+  } else if (std::holds_alternative<viewer::EndCalibration>(wish)) {
+    done = calibration_.end(page);
+  } else if (std::holds_alternative<viewer::InstallCalibration>(wish)) {
+    done = calibration_.install(page, sensor());
+  } else if (std::holds_alternative<viewer::ReadCalibration>(wish)) {
+    calibration_.read(sensor());
   } else {
     update_.read(sensor());
   }

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "host/cli/config/config.h"
+#include "host/cli/view/page_calibration.h"
 #include "host/cli/view/page_pairing.h"
 #include "host/cli/view/page_settings.h"
 #include "host/cli/view/page_update.h"
@@ -20,10 +21,12 @@
 namespace stof::host {
 
 struct DeskOptions {
-  ConfigOptions config{};               // keys, and which sensor is meant
-  std::string fault_socket{};           // of an emulated sensor; empty: it cannot be made to fail
-  std::filesystem::path update_from{};  // folder of releases; empty: the page puts none
-  bool sensor = true;                   // false: what is shown is a recording, which nobody changes
+  ConfigOptions config{};                // keys, and which sensor is meant
+  std::string fault_socket{};            // of an emulated sensor; empty: it cannot be made to fail
+  std::filesystem::path calibrate_in{};  // folder of what calibrations leave
+  std::string calibration_absence{};     // one line: why this program has none; empty: it has
+  std::filesystem::path update_from{};   // folder of releases; empty: the page puts none
+  bool sensor = true;  // false: what is shown is a recording, which nobody changes
 };
 
 // Has done what pages want: what blocks, by a thread of its own, one after the other; what is the
@@ -74,6 +77,7 @@ class PageDesk {
   bool stop_ = false;
   PagePairing pairing_;
   PageUpdate update_;
+  PageCalibration calibration_;
   std::thread thread_;  // last: it uses what stands above
 };
 

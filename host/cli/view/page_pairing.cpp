@@ -67,7 +67,10 @@ bool PagePairing::goes_on(const viewer::Page& page) const {
 PagePairing::Task::End PagePairing::run(const viewer::Page& page, const std::string& sensor,
                                         const viewer::BeginPairing& wish) {
   try {
-    return {.step = "paired", .text = pair(page, sensor, wish)};
+    const std::string made = pair(page, sensor, wish);
+    // Told at once with the step: a page that is loaded now would offer what is done.
+    task_.change([](viewer::PairingState& state) { state.offer.clear(); });
+    return {.step = "paired", .text = made};
   } catch (const std::exception&) {
     if (!task_.goes_on()) {
       return {.step = "failed", .text = "the pairing was given up: nothing was paired"};

@@ -18,6 +18,7 @@ constexpr double kPutPatienceS = 15;  // without an answer
 constexpr double kReadPatienceS = 0.5;
 constexpr double kVerdictWaitS = 240;
 constexpr std::size_t kMostReleases = 50;
+constexpr const char* kUnderWay = "an update is under way";
 
 std::vector<viewer::ReleaseFile> releases_in(const std::filesystem::path& folder) {
   std::vector<viewer::ReleaseFile> files;
@@ -99,13 +100,20 @@ void PageUpdate::read(const ShownSensor& sensor) {
   });
 }
 
-PageUpdate::Task::Done PageUpdate::put(const viewer::Page& page, const ShownSensor& sensor,
-                                       const std::string& file) {
+PageUpdate::Task::Done PageUpdate::may_begin(const ShownSensor& sensor) const {
   if (folder_.empty()) {
     return std::unexpected("no folder of releases was named: stof view SENSOR --update-from DIR");
   }
   if (sensor.address.empty()) {
     return std::unexpected("no frame has come: nobody knows where the sensor is");
+  }
+  return {};
+}
+
+PageUpdate::Task::Done PageUpdate::put(const viewer::Page& page, const ShownSensor& sensor,
+                                       const std::string& file) {
+  if (Task::Done may = may_begin(sensor); !may) {
+    return may;
   }
   const std::vector<viewer::ReleaseFile> files = releases_in(folder_);
   if (std::ranges::find(files, file, &viewer::ReleaseFile::name) == files.end()) {
@@ -113,7 +121,7 @@ PageUpdate::Task::Done PageUpdate::put(const viewer::Page& page, const ShownSens
                            ": choose one of the list");
   }
   return task_.start(
-      page, "an update is under way",
+      page, kUnderWay,
       [&file](viewer::UpdateState& state) {
         state.step = "sending";
         state.file = file;
@@ -124,10 +132,26 @@ PageUpdate::Task::Done PageUpdate::put(const viewer::Page& page, const ShownSens
       [this, address = sensor.address, path = folder_ / file] { return run(address, path); });
 }
 
+PageUpdate::Task::Done PageUpdate::revert(const viewer::Page& page, const ShownSensor& sensor) {
+  if (Task::Done may = may_begin(sensor); !may) {
+    return may;
+  }
+  return task_.start(
+      page, kUnderWay,
+      [](viewer::UpdateState& state) {
+        state.step = "restarting";
+        state.file.clear();
+        state.sent = state.total = 0;
+        state.text = "the sensor is being asked";
+        state.problem.clear();
+      },
+      [this, address = sensor.address] { return run(address, {}); });
+}
+
 PageUpdate::Task::End PageUpdate::run(const std::string& sensor,
                                       const std::filesystem::path& file) {
   need_crypto();
-  const std::string bytes = read_release(file);
+  const std::string bytes = file.empty() ? std::string() : read_release(file);
   const auto way = open_upload_way("update", sensor, config_, kPutPatienceS);
   const ReleaseEnd end =
       put_release(*way, bytes, kVerdictWaitS,

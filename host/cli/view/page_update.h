@@ -26,8 +26,13 @@ class PageUpdate {
   // whoever put it there; blocks as long as the answer takes.
   void read(const ShownSensor& sensor);
   Task::Done put(const viewer::Page& page, const ShownSensor& sensor, const std::string& file);
+  // Has the release in the other slot tried, as `stof update --revert`. Where no folder was named
+  // nothing is changed, neither by this.
+  Task::Done revert(const viewer::Page& page, const ShownSensor& sensor);
 
  private:
+  Task::Done may_begin(const ShownSensor& sensor) const;
+  // file: empty: the other slot's.
   Task::End run(const std::string& sensor, const std::filesystem::path& file);
 
   const ConfigOptions config_;

@@ -10,6 +10,7 @@
 #include "host/cli/failure.h"
 #include "host/cli/live/robot_state.h"
 #include "host/cli/own_keys.h"
+#include "host/cli/rig/calib_rig.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/view/status_line.h"
 #include "host/viewer/browser.h"
@@ -24,9 +25,12 @@ void add_page_flags(CLI::App& command, PageOptions& options) {
                    "Others on the network may open the page, by an address with a token: whoever "
                    "has the address sees what the sensor sees");
   command.add_flag("--lan-control", options.lan_control,
-                   "With --lan: whoever has the address may also change settings, record and put "
-                   "releases of --update-from on the sensor, with your keys of it, but not pair");
-  command.add_option("--record-to", options.record_to, "Folder of what is recorded from the page")
+                   "With --lan: whoever has the address may also change settings, record, "
+                   "calibrate and put releases of --update-from on the sensor, with your keys of "
+                   "it, but not pair");
+  command
+      .add_option("--record-to", options.record_to,
+                  "Folder of what the page leaves: recordings, and calibrations")
       ->capture_default_str();
   command.add_option("--update-from", options.update_from,
                      "Folder of releases (*.update): the page may put one of them on the sensor, "
@@ -77,6 +81,8 @@ void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
                                        ": is no folder: name the one that holds the releases");
   }
   DeskOptions desk{.fault_socket = options.fault_socket,
+                   .calibrate_in = options.record_to,
+                   .calibration_absence = has_calib_rig() ? "" : kRigAbsence,
                    .update_from = options.update_from,
                    .sensor = !shown.recording};
   desk.config.keys = keys_file(receive.keys);
@@ -140,12 +146,13 @@ void PageView::record(const client::Frame& frame, const client::Receiver& receiv
   }
 }
 
-void PageView::tell(const wire::EventReport& event, const std::string& text) {
+void PageView::tell(const wire::EventReport& event, const std::string& text,
+                    std::optional<std::uint64_t> at_ms) {
   if (recording_) {
     recording_->take(event);
   }
   if (viewer_) {
-    viewer_->tell(event, text);
+    viewer_->tell(event, text, at_ms);
   }
 }
 

@@ -44,7 +44,9 @@ class PageView {
 
   // times: when it came.
   void show(const client::Frame& frame, const bridge::RobotFeed::Times& times);
-  void tell(const wire::EventReport& event, const std::string& text);
+  // at_ms: of a recording, when it was recorded (Unix); none: now.
+  void tell(const wire::EventReport& event, const std::string& text,
+            std::optional<std::uint64_t> at_ms = std::nullopt);
   // Of a sensor, all of it behind each look at the receiver: what is recorded, what the page wants
   // done, and twice a second how things are.
   void look(const ReceiveOptions& options, client::Receiver& receiver, client::Time now);

@@ -181,8 +181,8 @@ class Player {
     // An event is told in the first turn alone: the page keeps the list.
     const auto events = source_.events();
     for (; turns_ == 0 && events_ < events.size(); ++events_) {
-      const wire::EventReport& event = events[events_].second;
-      page_.tell(event, event_line(event));
+      const auto& [log_time, event] = events[events_];
+      page_.tell(event, event_line(event), log_time / kNsOfMs);
     }
     at_ns_ = frame.log_time;
     tell_place();

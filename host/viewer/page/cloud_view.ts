@@ -1,4 +1,4 @@
-import { Frame } from "./connection";
+import { Frame } from "./messages";
 import { Rgb, Scale, unitsPerMetre, widthFar, widthNear, word } from "./colours";
 import type { Overlay } from "./depth_view";
 

@@ -1,67 +1,6 @@
 // The WebSocket to `stof view` (docs/VIEWER.md): frames are asked for one by one, and a connection that ends is made again.
 
-import { FaultsMessage } from "./faults";
-import { PairingMessage } from "./pairing";
-import { PlaybackMessage, RecordingMessage } from "./recorder";
-import { SettingsMessage } from "./settings";
-import { UpdateMessage } from "./update";
-
-export interface Calibration { fx: number; fy: number; cx: number; cy: number; max_range_m: number }
-
-export interface Frame {
-  frame: number;
-  session: number;
-  packets: number;
-  missing_packets: number;
-  latency_ms: number | null;
-  calibration: Calibration | null;
-  sensors?: number;
-  compute_ms?: number;
-  width: number;
-  height: number;
-  depth: Uint16Array | null; // quarter millimetres, 0: none
-  intervalWidth: Uint16Array | null;
-  source: Uint8Array | null;
-  left: Uint8Array | null;
-  leftWidth: number;
-  leftHeight: number;
-}
-
-export interface Hello {
-  sensor: string;
-  recording: boolean;
-  near_m: number;
-  far_m: number;
-  colours: string[];
-  sources: { name: string; colour: string }[];
-}
-
-export interface Condition { name: string; text: string; severity: number }
-
-export interface Status {
-  at_ms: number; // of the program's clock
-  frames: number;
-  incomplete: number;
-  lost: number;
-  dropped: number;
-  packets_missing: number;
-  recovered: number;
-  socket_drops: number;
-  link: string[];
-  waiting: string;
-  health: null | {
-    text: string; severity: number; reaction: number; uptime_s: number; rate_hz: number; latency_ms: number; subscribers: number;
-    active: Condition[];
-  };
-}
-
-export interface SensorEvent { text: string; condition: number; severity: number; active: boolean; count: number; time_ms: number }
-
-// Whether this page may have something done, and the ticket that each request carries.
-export interface Rights { may: boolean; why: string; why_not_pair: string; ticket: string; page: number }
-
-// The page's connection that began what takes a while.
-export type BegunBy = { page: number; place: string } | null;
+import { CalibrationMessage, FaultsMessage, Frame, Hello, PairingMessage, Plane, PlaybackMessage, RecordingMessage, Rights, SensorEvent, SettingsMessage, Status, UpdateMessage } from "./messages";
 
 export interface Listener {
   hello(hello: Hello): void;
@@ -77,9 +16,8 @@ export interface Listener {
   playback(message: PlaybackMessage): void;
   pairing(message: PairingMessage): void;
   update(message: UpdateMessage): void;
+  calibration(message: CalibrationMessage): void;
 }
-
-export type Plane = "depth" | "width" | "source" | "left";
 
 const subprotocol = "stof.view.v1";
 const retryMs = 1000;
@@ -179,6 +117,7 @@ export class Connection {
       if (said.type === "playback") this.listener.playback(said);
       if (said.type === "pairing") this.listener.pairing(said);
       if (said.type === "update") this.listener.update(said);
+      if (said.type === "calibration") this.listener.calibration(said);
     };
   }
 }

@@ -1,4 +1,4 @@
-import { Frame } from "./connection";
+import { Frame } from "./messages";
 import { Rgb, Scale, widthFar, widthNear, word } from "./colours";
 
 export type Base = "depth" | "left";

@@ -1,4 +1,4 @@
-import { SensorEvent, Status } from "./connection";
+import { SensorEvent, Status } from "./messages";
 
 const levels = ["good", "minor", "major", "major"];
 const mostShown = 100;
@@ -13,11 +13,17 @@ function element(name: string, text: string): HTMLElement {
   return made;
 }
 
-// The newest first, with the time when `stof view` heard of it.
+// Of another day (of a recording) with its date.
+function timeText(ms: number): string {
+  const time = new Date(ms);
+  return time.toDateString() === new Date().toDateString() ? time.toLocaleTimeString() : time.toLocaleString();
+}
+
+// The newest first, with the time when `stof view` heard of it, or recorded it.
 export function showEvent(list: HTMLElement, event: SensorEvent): void {
   const item = document.createElement("li");
   item.dataset.level = event.active ? levelOf(event.severity) : "good";
-  item.append(element("span", event.text.replace(/^event: /, "")), element("time", new Date(event.time_ms).toLocaleTimeString()));
+  item.append(element("span", event.text.replace(/^event: /, "")), element("time", timeText(event.time_ms)));
   list.prepend(item);
   while (list.children.length > mostShown) list.lastElementChild!.remove();
 }

@@ -1,7 +1,6 @@
 // The fault panel: there for an emulated sensor that takes faults.
+import { FaultsMessage } from "./messages";
 import { Requests, find, make, put } from "./panels";
-
-export interface FaultsMessage { devices: { device: string; now: string; edges: number; kinds: string[] }[]; problem: string }
 
 const kindsText: Record<string, string> = {
   drop: "drop: frames are lost",

@@ -1,10 +1,12 @@
 import { CloudView } from "./cloud_view";
 import { Rgb, Scale, rgb, widthFar, widthNear } from "./colours";
-import { Connection, Frame, Hello, Plane, Rights, SensorEvent, Status } from "./connection";
+import { CalibrationPanel } from "./calibration";
+import { Connection } from "./connection";
 import { Base, DepthView, Overlay, depthRange } from "./depth_view";
 import { levelOf, showEvent, showHealth } from "./events";
 import { FaultPanel } from "./faults";
-import { PairingMessage, PairingPanel } from "./pairing";
+import { Frame, Hello, PairingMessage, Plane, Rights, SensorEvent, Status } from "./messages";
+import { PairingPanel } from "./pairing";
 import { Requests, find, put } from "./panels";
 import { Plot } from "./plots";
 import { Probe } from "./probe";
@@ -52,6 +54,7 @@ class Page {
   private counted = { at: 0, toldMs: 0, frames: 0, bad: 0, received: 0, drawn: 0 };
   private isConnected = false;
   private wasConnected = false;
+  private refused = false; // the first connection was
   private saying = 0;
   private aspect = "";
   private recording = false;
@@ -64,6 +67,7 @@ class Page {
   private pairing = new PairingPanel(this.requests);
   private pairingStep = "none";
   private update = new UpdatePanel(this.requests);
+  private calibration = new CalibrationPanel(this.requests);
 
   constructor() {
     this.connection = new Connection({
@@ -80,6 +84,7 @@ class Page {
       playback: (message) => this.player.told(message),
       pairing: (message) => this.paired(message),
       update: (message) => this.update.told(message),
+      calibration: (message) => this.calibration.told(message),
     }, () => this.planes());
     for (const input of document.querySelectorAll<HTMLInputElement>("input[type=radio]")) {
       input.addEventListener("change", () => this.choose());
@@ -98,7 +103,7 @@ class Page {
     find("sensor").textContent = name;
     document.title = `stof ${name}`;
     this.recording = hello.recording;
-    find("settings").hidden = find("update").hidden = hello.recording;
+    find("settings").hidden = find("calibration").hidden = find("update").hidden = hello.recording;
     this.table = hello.colours.map(rgb);
     this.sources = hello.sources;
     if (!this.scale) {
@@ -129,7 +134,10 @@ class Page {
 
   private connected(is: boolean): void {
     this.isConnected = is;
-    if (!is) this.requests.ended();
+    if (!is) {
+      this.requests.ended();
+      this.refused = true;
+    }
     if (is) {
       this.wasConnected = true;
       this.counted.at = 0;
@@ -146,6 +154,7 @@ class Page {
     this.settings.connected();
     this.pairing.connected();
     this.update.connected();
+    this.calibration.connected();
   }
 
   private paired(message: PairingMessage): void {
@@ -353,7 +362,7 @@ class Page {
       this.loss.add(now, lost);
       find("rate-now").textContent = `${rate.toFixed(1)} /s`;
       find("latency-now").textContent = latency === null ? "–" : `${latency.toFixed(1)} ms`;
-      find("loss-now").textContent = `${bad} frames`;
+      find("loss-now").textContent = `${bad} ${bad === 1 ? "frame" : "frames"}`;
       const sensor = status.health ? `sensor ${status.health.rate_hz.toFixed(1)}, ` : "";
       find("counts").textContent =
         `Frames a second: ${sensor}program ${rate.toFixed(1)}, page ${received.toFixed(1)}, drawn ${drawn.toFixed(1)}. ` +
@@ -395,7 +404,7 @@ class Page {
     if (!this.isConnected) {
       return this.wasConnected
         ? ["stof view has ended or cannot be reached: this page comes back by itself", "major"]
-        : ["connecting", "wait"];
+        : this.refused ? ["Not connected: stof view has ended, or all its places are taken: close another page of it", "major"] : ["connecting", "wait"];
     }
     if (this.silent()) return [`Old picture: ${this.status!.waiting}`, "major"];
     if (this.paused) return ["Paused", "wait"];

@@ -1,8 +1,6 @@
 // Pairing: there while the user has no key of the sensor. Keys are made and kept by `stof view`, none comes here.
-import { BegunBy } from "./connection";
+import { PairingMessage } from "./messages";
 import { Requests, find, put } from "./panels";
-
-export interface PairingMessage { offer: string; step: string; by: BegunBy; role: string; given: string; ours: string; text: string }
 
 const offers: Record<string, string> = {
   unpaired: "Nobody has paired this sensor: whoever reaches its network changes what is harmless, and nobody more. Once it is paired, a change takes a key.",
@@ -19,6 +17,7 @@ function spaced(digits: string): string {
 export class PairingPanel {
   private state: PairingMessage | null = null;
   private seen = false; // a pairing that this page saw
+  private here = false; // it was begun by the form of this page, where the user still is
 
   constructor(private requests: Requests) {
     find("pair-way").addEventListener("change", () => this.show());
@@ -30,6 +29,7 @@ export class PairingPanel {
         this.say("Type the 32 digits of the label.", true);
         return;
       }
+      this.here = true;
       void this.ask("pair", { code: byCode ? code.value.trim() : "", role: find<HTMLSelectElement>("pair-role").value });
       code.value = "";
     });
@@ -50,7 +50,10 @@ export class PairingPanel {
     }
     this.show();
     const own = !this.requests.another(message.by);
-    if (own && before !== message.step && message.step === "digits" && find("pairing").contains(document.activeElement)) find("pair-digits").focus();
+    // The button that had the focus may have gone meanwhile.
+    const at = document.activeElement;
+    if (own && this.here && before !== message.step && message.step === "digits" && (!at || at === document.body || find("pairing").contains(at))) find("pair-digits").focus();
+    if (!this.underWay()) this.here = false;
   }
 
   // The rights have changed.
@@ -102,7 +105,7 @@ export class PairingPanel {
       case "paired": return "";
       default: return code
         ? "The code stands on the sensor's label: 32 digits, 0 to 9 and a to f."
-        : "Press the sensor's button: for two minutes it can be paired. A sensor without one: stof pair --serial LINE --window, where its cable ends.";
+        : "Press the sensor's button, then Pair within two minutes. A sensor without a button: stof pair --serial LINE --window, where its cable ends.";
     }
   }
 

@@ -1,5 +1,5 @@
 // What the panels share: elements by id, and requests to `stof view` that are answered (docs/VIEWER.md).
-import { BegunBy, Connection, Rights } from "./connection";
+import { Answer, BegunBy, Rights } from "./messages";
 
 export function find<T extends HTMLElement>(id: string): T {
   return document.getElementById(id) as T;
@@ -17,8 +17,6 @@ export function make<K extends keyof HTMLElementTagNameMap>(name: K, text = "", 
   return Object.assign(made, members);
 }
 
-export interface Answer { done: boolean; text: string }
-
 const nobody: Rights = { may: false, why: "not connected", why_not_pair: "not connected", ticket: "", page: 0 };
 
 // One request after the other has its answer; a connection that ends refuses those that are open.
@@ -27,7 +25,8 @@ export class Requests {
   private open = new Map<number, (answer: Answer) => void>();
   private last = 0;
 
-  constructor(private connection: () => Connection) {}
+  // connection: what sends them; false: there is none.
+  constructor(private connection: () => { send(request: object): boolean }) {}
 
   ask(what: string, members: object = {}): Promise<Answer> {
     if (!this.rights.may) return Promise.resolve({ done: false, text: this.rights.why });

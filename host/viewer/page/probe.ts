@@ -1,4 +1,4 @@
-import { Frame } from "./connection";
+import { Frame } from "./messages";
 import { unitsPerMetre } from "./colours";
 
 // Which pixel the user looks at, and what is known of it.

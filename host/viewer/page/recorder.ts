@@ -1,10 +1,6 @@
 // The record button, and the seek bar of a recording.
+import { RecordingMessage, PlaybackMessage } from "./messages";
 import { Requests, find, put } from "./panels";
-
-export interface RecordingMessage {
-  possible: boolean; on: boolean; file: string; bytes: number; frames: number; dropped: number; seconds: number; problem: string;
-}
-export interface PlaybackMessage { playing: boolean; seekable: boolean; at_ms: number; length_ms: number; began_ms: number }
 
 // "1:02.3" of 62,300 ms.
 function clock(ms: number): string {

@@ -1,15 +1,6 @@
 // The settings panel, made from the sensor's own JSON Schema: it knows no setting.
+import { SettingsMessage } from "./messages";
 import { Requests, find, make, put } from "./panels";
-
-export interface SettingsMessage {
-  problem: string;
-  schema: string;
-  active: string;
-  saved: string;
-  defaults: string;
-  role: string;
-  doubt: string;
-}
 
 interface Schema {
   type: string | string[];

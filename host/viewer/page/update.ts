@@ -1,12 +1,6 @@
 // The update panel: which release runs, and how an update goes. Files stay where `stof view` is: a page names one.
-import { BegunBy } from "./connection";
+import { UpdateMessage } from "./messages";
 import { Requests, find, make, put } from "./panels";
-
-export interface UpdateMessage {
-  folder: string; files: { name: string; bytes: number }[];
-  step: string; by: BegunBy; file: string; sent: number; total: number; text: string;
-  running: string; other: string; state: string; problem: string;
-}
 
 const askEveryMs = 3000; // while it is open
 const steps = ["sending", "restarting", "trial", "confirmed"];
@@ -23,11 +17,19 @@ export class UpdatePanel {
   constructor(private requests: Requests) {
     find("update").addEventListener("toggle", () => this.ask());
     setInterval(() => this.ask(), askEveryMs);
+    find("update-revert").addEventListener("click", () => void this.revert());
     find("update-form").addEventListener("submit", (event) => {
       event.preventDefault();
       const file = find<HTMLSelectElement>("update-file").value;
       if (file && window.confirm(`The sensor restarts with ${file}: it sends no frame for some seconds. A robot that needs it has to stand still. Go on?`)) void this.put(file);
     });
+  }
+
+  private async revert(): Promise<void> {
+    const other = this.state?.other;
+    if (!other || !window.confirm(`The sensor restarts with release ${other}, that of its other slot, and stays with it if it publishes for half a minute what is published now. It sends no frame for some seconds. A robot that needs it has to stand still. Go on?`)) return;
+    const answer = await this.requests.ask("revert");
+    if (!answer.done) this.say(answer.text, true);
   }
 
   told(message: UpdateMessage): void {
@@ -80,14 +82,18 @@ export class UpdatePanel {
     if (!state) return;
     const busy = this.busy();
     find("update-form").hidden = !state.files.length || busy;
-    find<HTMLButtonElement>("update-put").disabled = !this.requests.rights.may;
+    const revert = find<HTMLButtonElement>("update-revert");
+    revert.hidden = busy || !state.folder || !state.other || state.other === state.running || !["settled", "left"].includes(state.state);
+    put("update-revert", state.state === "left" ? `Try release ${state.other} again` : `Go back to release ${state.other}`);
+    find<HTMLButtonElement>("update-put").disabled = revert.disabled = !this.requests.rights.may;
     put("update-from", !state.folder
       ? "To put a release on the sensor from here, start with its folder: stof view SENSOR --update-from DIR."
       : state.files.length ? `Releases of ${state.folder}, where stof view runs.` : `No release (*.update) is in ${state.folder}.`);
     find("update-from").hidden = busy;
     if (busy) {
       const who = this.requests.another(state.by);
-      put("update-who", `${who ? `${who} puts ${state.file} on the sensor` : `${state.file} is being put on the sensor`}. Nobody ends an update that has begun.`);
+      const what = state.file || "the release of its other slot";
+      put("update-who", `${who ? `${who} puts ${what} on the sensor` : `${state.file || "The release of its other slot"} is being put on the sensor`}. It cannot be ended any more.`);
     } else {
       put("update-who", state.problem || (state.running
         ? `Release ${state.running} runs: ${places[state.state] ?? state.state}.${state.other ? ` In the other slot: ${state.other}.` : ""}`

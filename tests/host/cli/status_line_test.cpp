@@ -212,9 +212,9 @@ TEST(HealthLine, NamesWhatIsActive) {
 
 TEST(HealthLine, HasNoFigureThatIsNotKnownYet) {
   EXPECT_EQ(health_line({.uptime_ms = 900, .subscribers = 1}),
-            "health: good, up 0 s, 1 subscribers");
+            "health: good, up 0 s, 1 subscriber");
   EXPECT_EQ(health_line({.uptime_ms = 90'000, .subscribers = 1}),
-            "health: good, up 90 s, 0.0 frames/s, 1 subscribers");
+            "health: good, up 90 s, 0.0 frames/s, 1 subscriber");
 }
 
 TEST(SummaryLine, NamesEveryCauseOfLoss) {

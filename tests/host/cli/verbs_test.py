@@ -394,6 +394,8 @@ class Sensors(Program):
                       ["report", self.place, "full.tar", "--seconds", "0.5"]):
             with self.subTest(words[0]):
                 self.refused(self.stof(*words, *([] if words[1] == self.recording else LONG.split()), preexec_fn=no_room), 1)
+        # Nobody takes a part for a cloud.
+        self.assertEqual([file for name in ("full", "full_live") for file in (self.folder / name).glob("*")], [])
         self.refused(self.stof("recover", self.recording, "full_copy.mcap", preexec_fn=no_room), 2)
         self.refused(self.stof("report", self.place, "/dev/full", "--force"), 1, "/dev/full")
 

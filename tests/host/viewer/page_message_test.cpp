@@ -41,6 +41,14 @@ TEST(PageMessage, ReadsEachWish) {
   EXPECT_EQ(wish<GiveDigits>(R"("do":"digits","digits":"123 456")").digits, "123 456");
   wish<EndPairing>(R"("do":"end_pairing")");
   wish<ReadRelease>(R"("do":"release")");
+  wish<RevertRelease>(R"("do":"revert")");
+  wish<ReadCalibration>(R"("do":"calibration")");
+  wish<EndCalibration>(R"("do":"end_calibration")");
+  wish<InstallCalibration>(R"("do":"install")");
+  const auto begin =
+      wish<BeginCalibration>(R"("do":"calibrate","board":"charuco:12x9:0.04","goes_on":true)");
+  EXPECT_EQ(begin.board, "charuco:12x9:0.04");
+  EXPECT_TRUE(begin.goes_on);
   EXPECT_EQ(wish<PutRelease>(R"("do":"update","file":"rpi4 2.0.update")").file, "rpi4 2.0.update");
 }
 
@@ -82,6 +90,11 @@ TEST(PageMessage, RefusesWhatIsNotAsWritten) {
         std::string(R"("do":"digits","digits":"12345a")"),
         std::string(R"("do":"digits","digits":"12345678901234567")"),
         std::string(R"("do":"end_pairing","id2":1)"),
+        std::string(R"("do":"calibrate","board":"9x6:0.06")"),
+        std::string(R"("do":"calibrate","board":"","goes_on":false)"),
+        std::string(R"("do":"calibrate","board":"--out","goes_on":false)"),
+        std::string(R"("do":"calibrate","board":"9x6:0.06","goes_on":1)"),
+        std::string(R"("do":"install","file":"rig.cal")"),
         std::string(R"("do":"update","file":"../a.update")"),
         std::string(R"("do":"update","file":"/a.update")"),
         std::string(R"("do":"update","file":".update")"),

@@ -26,5 +26,13 @@ TEST(StatusMessage, SourcesHaveTheColoursOfThePictures) {
   }
 }
 
+TEST(StatusMessage, AnEventOfARecordingHasTheTimeOfItsRecording) {
+  constexpr std::uint64_t kThen = 1'700'000'000'123;
+  const auto event =
+      nlohmann::json::parse(event_message({.condition = 3, .active = 1}, "pmd_lost", kThen));
+  EXPECT_EQ(event.at("time_ms"), kThen);
+  EXPECT_EQ(event.at("active"), true);
+}
+
 }  // namespace
 }  // namespace stof::viewer

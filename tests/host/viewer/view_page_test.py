@@ -26,6 +26,7 @@ STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
 ENOUGH_S = 60
 WIDTH, HEIGHT = 64, 48
 MOST_PAGES = 8
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 
 def await_(what, condition):
@@ -358,7 +359,8 @@ class Pages(unittest.TestCase):
                 self.assertEqual(len(channels), 5)
                 client.send(json.dumps({"op": "subscribe", "subscriptions": [{"id": 100 + id_, "channelId": id_} for id_ in channels]}).encode())
                 seen = {}
-                while set(seen) != set(channels) or seen[1] < 3:
+                diagnostics = b""
+                while set(seen) != set(channels) or seen[1] < 3 or b"rate_millihertz" not in diagnostics:  # health is told
                     opcode, payload = client.receive()
                     self.assertEqual(opcode, BINARY, payload)
                     code, subscription, at_ns = struct.unpack_from("<BIQ", payload)
@@ -368,6 +370,9 @@ class Pages(unittest.TestCase):
                     if schema in ("sensor_msgs/msg/Image", "sensor_msgs/msg/PointCloud2"):
                         self.assertTrue(cdr_size(schema, payload[13:]), schema)
                     seen[subscription - 100] = seen.get(subscription - 100, 0) + 1
+                    if schema == "diagnostic_msgs/msg/DiagnosticArray":
+                        diagnostics = payload
+                self.judge_layout({one["topic"] for one in channels.values()}, diagnostics)
         # What another site, or nobody's rules, would do.
         for how, status in (({"origin": "https://app.foxglove.dev"}, 403), ({"host": "evil.example", "origin": ""}, 403)):
             with self.assertRaises(Refused) as refused:
@@ -378,6 +383,26 @@ class Pages(unittest.TestCase):
             while True:
                 client.receive()
         self.assertEqual(closed.exception.status, 1008)
+
+    def judge_layout(self, topics, diagnostics):
+        """What docs/viewer/foxglove_layout.json shows is there, in colours of the page's scale."""
+        layout = json.loads((ROOT / "docs/viewer/foxglove_layout.json").read_text(encoding="utf-8"))
+        panels = layout["configById"]
+        self.assertEqual(sorted(re.findall(r'"(?:first|second)": "([^"]+)"', json.dumps(layout["layout"]))), sorted(panels))
+        shown = set()
+        for name, panel in panels.items():
+            shown |= set(panel.get("topics", {}))
+            shown |= {value for key, value in (panel | panel.get("imageMode", {})).items() if key in ("imageTopic", "calibrationTopic", "topicToRender")}
+            for path in panel.get("paths", []):
+                topic, status, key = re.fullmatch(r'(/\w+)\.status\[:]\{name=="([^"]+)"}\.values\[:]\{key=="(\w+)"}\.value', path["value"]).groups()
+                shown.add(topic)
+                for text in (status, key):
+                    self.assertIn(text.encode() + b"\0", diagnostics, name)
+        self.assertEqual(shown | {"/tf_static"}, topics)
+        with self.open() as page:
+            colours = page.message("hello")["colours"]
+        for colour in re.findall(r'"(#[0-9a-f]{6})"', json.dumps(panels)):
+            self.assertIn(colour, colours)
 
     def test_a_hundred_pages_are_served_or_refused(self):
         open_, refused = [], 0
@@ -477,6 +502,20 @@ class Ways(unittest.TestCase):
                 self.assertEqual(status, 0)
             except Refused as refused:
                 self.assertEqual(refused.status, status, (subprotocol, given, origin))
+        if len(view.addresses) > 1:  # this machine has a network: a crowd from there leaves the user's own page its place
+            address = re.match(r"http://([0-9.]+):", view.addresses[1])[1]
+            crowd = []
+            for _ in range(100):
+                try:
+                    crowd.append(WebSocket(view.port, token=token, address=address))
+                except Refused as one:
+                    self.assertIn(one.status, (503, 0))
+            self.assertTrue(1 <= len(crowd) <= MOST_PAGES // 2, len(crowd))
+            with WebSocket(view.port, token=token) as page:
+                page.ask("depth")
+                page.frame()
+            for one in crowd:
+                one.close()
         with WebSocket(view.port, token=token) as page:
             page.ask("depth")
             session = page.frame()[0]["session"]

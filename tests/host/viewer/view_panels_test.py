@@ -142,6 +142,7 @@ class Pairing(Panels):
             sensor.process.send_signal(signal.SIGUSR2)
             state = page.until("pairing", lambda told: told["step"] == "paired")
             self.assertRegex(state["text"], r"^key [0-9a-f]{8} of sensor 00000001, admin, is in ")
+            self.assertEqual(state["offer"], "")  # a page that is opened now offers nothing that is done
             self.assertEqual(keys.stat().st_mode & 0o777, 0o600)
             secrets = re.findall(r"[0-9a-f]{32,}", keys.read_text(encoding="utf-8"))
             self.assertTrue(secrets)
@@ -161,6 +162,7 @@ class Pairing(Panels):
         token = re.search(r"\?token=([0-9a-f]{32})$", lan.addresses[0])[1]
         with WebSocket(lan.port, token=token) as page:
             self.assertEqual(page.until("rights")["why_not_pair"], "")  # it is of this machine
+            page.until("status", lambda told: told["frames"] > 0)  # without any it would end with 1
         if len(lan.addresses) > 1:  # this machine has a network
             address = re.match(r"http://([0-9.]+):", lan.addresses[1])[1]
             with WebSocket(lan.port, token=token, address=address) as page:
@@ -223,7 +225,8 @@ class Update(Panels):
         with WebSocket(self.start(View, Board, "--http-port", "0", "--timeout", "60", name="bare").port) as page:
             self.until_done(page, "release")
             self.assertEqual((page.until("update")["folder"], page.until("update")["files"]), ("", []))
-            self.assertIn("--update-from", page.wish("update", file="good.update")["text"])
+            for wish in ({"what": "update", "file": "good.update"}, {"what": "revert"}):
+                self.assertIn("--update-from", page.wish(**wish)["text"])
         view = self.start(View, Board, "--http-port", "0", "--timeout", "60", "--update-from", releases)
         page = self.page(view)
         page.until("status", lambda told: told["health"])
@@ -244,6 +247,11 @@ class Update(Panels):
         self.assertIn("went back to the former release", state["text"])
         self.assertGreater(state["total"], 0)
         self.assertEqual(state["sent"], state["total"])
+        # What is in the other slot is tried again, and left again.
+        self.until_done(page, "revert")
+        self.assertEqual(page.until("update", lambda told: told["step"] in ("restarting", "left"))["file"], "")
+        state = page.until("update", lambda told: told["step"] in ("left", "failed"))
+        self.assertEqual(state["step"], "left", state)
         self.until_done(page, "update", file="good.update")
         state = page.until("update", lambda told: told["step"] in ("trial", "left", "failed"))
         self.assertEqual(state["step"], "trial", state)

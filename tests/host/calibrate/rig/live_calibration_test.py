@@ -2,12 +2,14 @@
 """live_calibration_test.py COMMAND...: `stof calib ... --live` (COMMAND: stof) of `stofd`, before which a board is waved. STOFD and
 STOF_EMU_PAIR hold these commands, their words separated by |."""
 
+import base64
 import json
 import os
 import pathlib
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -88,7 +90,23 @@ class LiveCalibration(unittest.TestCase):
         for view in taken:
             for eye in ("left", "right"):
                 self.assertTrue((self.views / view[0] / f"{eye}.pgm").read_bytes().startswith(b"P5\n320 240\n255\n"))
-        self.stop_at(f"views of before: {len(taken)}; missing: ", sensor)
+        # A program reads the same, an object a line.
+        said, _ = self.stop_at('"verdict":"(?!no_board)', sensor, "--json", "--picture-width", 100)
+        lines = [json.loads(line) for line in said.splitlines()]
+        self.assertEqual([line["state"] for line in lines[:4]], ["subscribing", "reading", "missing", "looking"])
+        self.assertTrue(lines[2]["text"].startswith(f"views of before: {len(taken)}; missing: "))
+        look = next(line for line in lines if line["state"] == "looking" and line["verdict"] != "no_board")
+        self.assertEqual(look["size"], [320, 240])
+        self.assertGreaterEqual(look["views"], len(taken))
+        self.assertEqual(len(look["wants"]), 15)
+        self.assertEqual(len(look["cells"]["left"]), look["cells"]["size"][0] * look["cells"]["size"][1])
+        self.assertGreaterEqual(sum(look["cells"]["left"]), 54)
+        for place in look["left"] + look["right"]:
+            self.assertTrue(0 <= place[0] < 320 and 0 <= place[1] < 240, place)
+        self.assertEqual(len(look["left"]) or len(look["right"]), 54)
+        for eye in ("left_png", "right_png"):  # of a quarter of the width
+            picture = base64.b64decode(look[eye], validate=True)
+            self.assertEqual((picture[:8], picture[16:24]), (b"\x89PNG\r\n\x1a\n", struct.pack(">II", 80, 60)))
         self.refuse(1, "the time limit of 1 s is over: views in ", sensor, "--time-limit", 1)
         # What was kept is a folder of views.
         ended = subprocess.run([*COMMAND, "calib", "stereo", "--target", self.views, "--board", "9x6:0.06", "--out", self.out], capture_output=True,
@@ -114,15 +132,23 @@ class LiveCalibration(unittest.TestCase):
             file.unlink()
         (self.views / "pose_000").rmdir()
         sensor = self.start(*built, "--poses", "wave:1,3", "--no-tof")
-        ended = subprocess.run(self.words(sensor, "--views", 26, "--timeout", 30, "--time-limit", ENOUGH_S - 20), capture_output=True, text=True,
-                               timeout=ENOUGH_S, check=False)
+        ended = subprocess.run(self.words(sensor, "--views", 26, "--timeout", 30, "--time-limit", ENOUGH_S - 20, "--json"), capture_output=True,
+                               text=True, timeout=ENOUGH_S, check=False)
         self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
-        self.assertIn("views of before: 25; missing: more: the board anywhere, before both cameras (25 of 26)\n", ended.stdout)
-        self.assertRegex(ended.stdout, r"\nview_001: taken \(.*, 26 in all; all views are there\n")
+        lines = [json.loads(line) for line in ended.stdout.splitlines()]
+        self.assertEqual(lines[2]["text"], "views of before: 25; missing: more: the board anywhere, before both cameras (25 of 26)")
+        self.assertEqual([line["state"] for line in lines[-3:]], ["looking", "calibrating", "calibrated"])
+        taken = lines[-3]
+        self.assertEqual((taken["verdict"], taken["views"]), ("taken", 26))
+        self.assertRegex(taken["text"], r"^view_001: taken \(.*, 26 in all; all views are there$")
+        self.assertNotIn("left_png", taken)
+        result = lines[-1]["result"]
+        self.assertEqual(result["file"], str(self.out))
         truth = json.loads((self.views / "truth.json").read_text(encoding="utf-8"))
-        focal = [float(number) for number in re.search(r"fx +(\S+) \+- \S+ +(\S+)", ended.stdout).groups()]
-        for found, eye in zip(focal, ("left", "right")):
-            self.assertLess(abs(found / truth[eye]["fx"] - 1), 0.003)
+        for eye in ("left", "right"):
+            self.assertLess(abs(result[eye]["fx"] / truth[eye]["fx"] - 1), 0.003)
+        self.assertLess(result["held_out"]["row_px"], 0.3)
+        self.assertEqual(result["warnings"], [])
         self.assertTrue(self.out.read_bytes().startswith(b"STOFCAL\0"))
 
     def walls(self, code, *words, enters=0):

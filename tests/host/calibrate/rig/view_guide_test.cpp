@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/calibrate/rig/live/corner_cells.h"
 #include "host/calibrate/rig/live/coverage_picture.h"
 #include "host/calibrate/rig/live/picture_motion.h"
 #include "host/calibrate/rig/live/sighting.h"
@@ -55,6 +56,19 @@ class Guided : public ::testing::Test {
   ViewGuide guide_{options_};
   std::vector<ViewWant> wants_;
 };
+
+TEST_F(Guided, CornersAreCountedInCellsOfEachPicture) {
+  // One in the upper left cell, one at the far edge, one that is not seen.
+  const std::vector<PairView> views{
+      {.name = "a", .left = {{-0.5, -0.5}, {639.5, 479.5}, kUnseen}, .right = {}},
+      {.name = "b", .left = {{79.4, 79.4}}, .right = {{80, 80}}}};
+  const CornerCells cells = corner_cells(views, 640, 480);
+  EXPECT_EQ(cells.left.front(), 2);
+  EXPECT_EQ(cells.left.back(), 1);
+  EXPECT_EQ(cells.right[1 * CornerCells::kColumns + 1], 1);
+  EXPECT_EQ(std::ranges::count(cells.left, 0), 46);
+  EXPECT_EQ(std::ranges::count(cells.right, 0), 47);
+}
 
 TEST_F(Guided, AViewIsTakenWhenTheBoardHoldsStill) {
   EXPECT_EQ(judge(facing()).verdict, ViewVerdict::kMoving);

@@ -3,6 +3,7 @@ import { strict as assert } from "node:assert";
 import { createRequire } from "node:module";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
+import { calibrationChecks } from "./calibration.mjs";
 import { drawDocs } from "./docs.mjs";
 import { measure } from "./load.mjs";
 import { ownerChecks } from "./owner.mjs";
@@ -188,7 +189,7 @@ const checks = {
     }
     await choose(page, "base", "depth");
     const reached = new Set();
-    for (let n = 0; n < 16; ++n) {
+    for (let n = 0; n < 30; ++n) {
       await page.keyboard.press("Tab");
       reached.add(await page.evaluate(() => document.activeElement?.id || document.activeElement?.getAttribute("name")));
     }
@@ -258,7 +259,7 @@ async function checkAll() {
   await until("the truth", () => { try { return readFileSync(truthFile).length > width * height * 4; } catch { return false; } });
   const rig = { address: view.address, truth: readPfm(truthFile) };
   const tools = { bin, root, flags, open, text, choose, live, shot, probe, phone };
-  for (const [name, check] of Object.entries({ ...checks, ...panelChecks(tools), ...ownerChecks(tools) })) {
+  for (const [name, check] of Object.entries({ ...checks, ...panelChecks(tools), ...ownerChecks(tools), ...calibrationChecks(tools) })) {
     if (!name.includes(only)) continue;
     try {
       await check(rig);

@@ -63,9 +63,11 @@ export function ownerChecks({ bin, root, flags, open, text, live, shot, phone })
       const secrets = readFileSync(join(keys, "keys"), "utf8").match(/[0-9a-f]{32,}/g);
       const said = JSON.stringify(page.messages);
       assert.ok(secrets.length && !secrets.some((secret) => said.includes(secret)));
+      page.messages.length = 0;
       await page.reload();
       await live(page);
       await until("what the page is told", () => page.messages.some((message) => message.type === "pairing"));
+      await until("a status after it", () => page.messages.findIndex((message) => message.type === "pairing") < page.messages.findLastIndex((message) => message.type === "status"));
       assert.ok(await page.locator("#pairing").isHidden());
       await page.context().close();
       await view.stop();

@@ -1,0 +1,169 @@
+#include "host/cli/rig/live_stereo_json.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/calibrate/rig/live/corner_cells.h"
+#include "host/picture/png.h"
+#include "host/report/page/page.h"
+#include "host/text/printed.h"
+
+namespace stof::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What a good rig stays below: docs/CALIBRATION.md, step 5.
+constexpr double kGoodRowPx = 0.3;
+constexpr double kGoodScale = 0.005;
+constexpr double kGoodCornerPx = 0.3;
+constexpr double kPercents = 100;
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+// To a hundredth: nobody draws finer.
+Json places_json(const std::vector<PixelPoint>& corners) {
+  constexpr double kHundredth = 100;
+  Json places = Json::array();
+  for (const PixelPoint& corner : corners) {
+    if (corner.seen()) {
+      places.push_back({std::round(corner.u * kHundredth) / kHundredth,
+                        std::round(corner.v * kHundredth) / kHundredth});
+    }
+  }
+  return places;
+}
+
+const char* verdict_name(ViewVerdict verdict) {
+  switch (verdict) {
+    case ViewVerdict::kNoBoard:
+      return "no_board";
+    case ViewVerdict::kMoving:
+      return "moving";
+    case ViewVerdict::kBlurred:
+      return "blurred";
+    case ViewVerdict::kKnown:
+      return "known";
+    case ViewVerdict::kNeedless:
+      return "needless";
+    case ViewVerdict::kTaken:
+      return "taken";
+  }
+  return "";
+}
+
+std::string picture_text(const dataset::Image<std::uint8_t>& picture, int width) {
+  return base64(png_bytes(smaller_picture(picture, (picture.width + width - 1) / width)));
+}
+
+std::vector<std::string> warnings_of(const TargetCalibration& found) {
+  std::vector<std::string> warnings = found.missing;
+  if (found.fit.corner_sigma_px > kGoodCornerPx) {
+    warnings.push_back(
+        printed("corners are off by %.2f px, and good is %.1f or less: the board is not flat, or "
+                "--board is another one",
+                found.fit.corner_sigma_px, kGoodCornerPx));
+  }
+  if (!found.judgement) {
+    warnings.emplace_back("no view was held out: nobody judges this calibration");
+  } else {
+    if (found.judgement->row_px > kGoodRowPx) {
+      warnings.push_back(
+          printed("rows of both pictures are apart by %.2f px, and good is %.1f or "
+                  "less: take more views, tilted ones above all",
+                  found.judgement->row_px, kGoodRowPx));
+    }
+    if (std::abs(found.judgement->scale_error) > kGoodScale) {
+      warnings.push_back(
+          printed("squares come out %.2f percent too %s, and good is %.1f or less: measure the "
+                  "board along ten squares",
+                  std::abs(found.judgement->scale_error) * kPercents,
+                  found.judgement->scale_error > 0 ? "large" : "small", kGoodScale * kPercents));
+    }
+  }
+  for (const RefusedView& view : found.refused) {
+    warnings.push_back(view.name + " was left out: " + view.why);
+  }
+  return warnings;
+}
+
+}  // namespace
+
+dataset::Image<std::uint8_t> smaller_picture(const dataset::Image<std::uint8_t>& picture, int by) {
+  dataset::Image<std::uint8_t> small(picture.width / by, picture.height / by);
+  for (int y = 0; y < small.height; ++y) {
+    for (int x = 0; x < small.width; ++x) {
+      int sum = 0;
+      for (int v = 0; v < by; ++v) {
+        for (int u = 0; u < by; ++u) {
+          sum +=
+              picture.pixels[static_cast<std::size_t>((y * by + v) * picture.width + x * by + u)];
+        }
+      }
+      small.pixels[static_cast<std::size_t>(y * small.width + x)] =
+          static_cast<std::uint8_t>(sum / (by * by));
+    }
+  }
+  return small;
+}
+
+Json stage_json(const char* state, const std::string& text) {
+  return {{"state", state}, {"text", text}};
+}
+
+Json look_json(const LiveLook& look, int picture_width) {
+  const int width = look.shot.left.width;
+  const int height = look.shot.left.height;
+  Json json = stage_json("looking", look.text);
+  json["verdict"] = verdict_name(look.judgement.verdict);
+  json["exposure"] = look.shot.exposure;
+  json["size"] = {width, height};
+  json["motion_px"] = number_or_null(look.judgement.motion_px);
+  json["blur_px"] = number_or_null(look.judgement.blur_px);
+  json["left"] = places_json(look.corners.left);
+  json["right"] = places_json(look.corners.right);
+  json["views"] = look.guide.views().size();
+  Json wants = Json::array();
+  for (const ViewWant& want : look.guide.wants()) {
+    wants.push_back(
+        {{"name", want.name}, {"ask", want.ask}, {"have", want.have}, {"need", want.need}});
+  }
+  json["wants"] = std::move(wants);
+  const CornerCells cells = corner_cells(look.guide.views(), width, height);
+  json["cells"] = {{"size", {CornerCells::kColumns, CornerCells::kRows}},
+                   {"left", cells.left},
+                   {"right", cells.right}};
+  if (picture_width > 0) {
+    json["left_png"] = picture_text(look.shot.left, picture_width);
+    json["right_png"] = picture_text(look.shot.right, picture_width);
+  }
+  return json;
+}
+
+Json target_json(const TargetCalibration& found, const std::filesystem::path& file) {
+  const dsp::RawPair& rig = found.fit.rig;
+  const auto lens = [](const dsp::Pinhole& eye) {
+    return Json{{"width", eye.width}, {"height", eye.height}, {"fx", eye.fx}, {"fy", eye.fy},
+                {"cx", eye.cx},       {"cy", eye.cy},         {"k1", eye.k1}, {"k2", eye.k2},
+                {"p1", eye.p1},       {"p2", eye.p2},         {"k3", eye.k3}};
+  };
+  const auto& [x, y, z] = rig.left_to_right.translation_m;
+  Json held = nullptr;
+  if (found.judgement) {
+    held = {{"views", found.judgement->views},
+            {"reprojection_px", found.judgement->reprojection_px},
+            {"row_px", found.judgement->row_px},
+            {"largest_row_px", found.judgement->largest_row_px},
+            {"scale_error", found.judgement->scale_error}};
+  }
+  return {{"file", file.string()},
+          {"views", found.fitted.size()},
+          {"reprojection_px", found.fit.corner_sigma_px},
+          {"held_out", std::move(held)},
+          {"baseline_m", std::hypot(x, y, z)},
+          {"left", lens(rig.left)},
+          {"right", lens(rig.right)},
+          {"warnings", warnings_of(found)}};
+}
+
+}  // namespace stof::host
