@@ -24,8 +24,12 @@ struct alignas(64) Chunk {
   bool has_first;  // a winner is candidate 0
 };
 
-// What becomes of the sums: they stay as they are, become costs, or are added up too.
-enum class Keep : std::uint8_t { kSums, kCosts, kTotals };
+// What becomes of the sums: they stay as they are, or become costs; the costs are added up too.
+enum class Keep : std::uint8_t { kSums, kCosts, kSumsAndTotals, kCostsAndTotals };
+constexpr bool keeps_sums(Keep kept) noexcept {
+  return kept == Keep::kSums || kept == Keep::kSumsAndTotals;
+}
+constexpr bool counts_totals(Keep kept) noexcept { return kept >= Keep::kSumsAndTotals; }
 
 // Candidates begin .. end - 1 exist.
 struct Limits {
@@ -121,13 +125,13 @@ struct Strip {
     V counted[kVectors];
     for (std::size_t v = 0; v < kVectors; ++v) {
       kept[v] = sums[v];
-      const V wanted = kKeep == Keep::kSums ? sums[v] : Isa::eighth(sums[v]);
-      counted[v] = wanted;
+      counted[v] = kKeep == Keep::kSums ? sums[v] : Isa::eighth(sums[v]);
+      const V wanted = keeps_sums(kKeep) ? sums[v] : counted[v];
       if constexpr (kMasked) {
         const int candidate = first + static_cast<int>(v * Isa::kLanes);
         const V outside = Isa::outside(candidate, exist.begin, exist.end);
         kept[v] = Isa::either(kept[v], outside);
-        counted[v] = Isa::without(wanted, outside);
+        counted[v] = Isa::without(counted[v], outside);
         Isa::store(to + v * Isa::kLanes, Isa::either(wanted, outside));
       } else {
         Isa::store(to + v * Isa::kLanes, wanted);
@@ -140,7 +144,7 @@ struct Strip {
       }
     }
     Isa::store_eight(eights, kept[0]);
-    if constexpr (kKeep == Keep::kTotals) {
+    if constexpr (counts_totals(kKeep)) {
       Isa::store_parts(parts, counted[0]);
     }
   }

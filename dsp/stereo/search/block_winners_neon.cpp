@@ -38,14 +38,14 @@ void find_lowest(const std::uint16_t* eights, uint16x8_t& lowest, uint16x8_t& wh
   };
   lowest = least_of_each(v);
   const uint16x8_t number = {0, 1, 2, 3, 4, 5, 6, 7};
-  v[0] = vornq_u16(number, vceqq_u16(v[0], vdupq_laneq_u16(lowest, 0)));
-  v[1] = vornq_u16(number, vceqq_u16(v[1], vdupq_laneq_u16(lowest, 1)));
-  v[2] = vornq_u16(number, vceqq_u16(v[2], vdupq_laneq_u16(lowest, 2)));
-  v[3] = vornq_u16(number, vceqq_u16(v[3], vdupq_laneq_u16(lowest, 3)));
-  v[4] = vornq_u16(number, vceqq_u16(v[4], vdupq_laneq_u16(lowest, 4)));
-  v[5] = vornq_u16(number, vceqq_u16(v[5], vdupq_laneq_u16(lowest, 5)));
-  v[6] = vornq_u16(number, vceqq_u16(v[6], vdupq_laneq_u16(lowest, 6)));
-  v[7] = vornq_u16(number, vceqq_u16(v[7], vdupq_laneq_u16(lowest, 7)));
+  v[0] = vorrq_u16(number, vcgtq_u16(v[0], vdupq_laneq_u16(lowest, 0)));
+  v[1] = vorrq_u16(number, vcgtq_u16(v[1], vdupq_laneq_u16(lowest, 1)));
+  v[2] = vorrq_u16(number, vcgtq_u16(v[2], vdupq_laneq_u16(lowest, 2)));
+  v[3] = vorrq_u16(number, vcgtq_u16(v[3], vdupq_laneq_u16(lowest, 3)));
+  v[4] = vorrq_u16(number, vcgtq_u16(v[4], vdupq_laneq_u16(lowest, 4)));
+  v[5] = vorrq_u16(number, vcgtq_u16(v[5], vdupq_laneq_u16(lowest, 5)));
+  v[6] = vorrq_u16(number, vcgtq_u16(v[6], vdupq_laneq_u16(lowest, 6)));
+  v[7] = vorrq_u16(number, vcgtq_u16(v[7], vdupq_laneq_u16(lowest, 7)));
   where = least_of_each(v);
 #endif
 }
@@ -124,7 +124,7 @@ struct Neon {
     find_lowest(eights, sums, lane);
     const V group = vshlq_n_u16(vandq_u16(sums, vdupq_n_u16(7)), 3);
     const int16x8_t winner = vreinterpretq_s16_u16(
-        vaddq_u16(vaddq_u16(group, lane), vdupq_n_u16(static_cast<std::uint16_t>(first))));
+        vaddq_u16(vaddq_u16(group, lane), vdupq_n_u16(static_cast<std::uint16_t>(first & ~63U))));
     const V cost = vshrq_n_u16(sums, 3);
     int16x8_t best = winner;
     if (first == 0) {
