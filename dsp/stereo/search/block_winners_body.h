@@ -151,7 +151,7 @@ class Pass {
   void drop_ties(std::size_t x, std::size_t count) noexcept;
   void find_margins(std::size_t x, std::size_t count) noexcept;
   template <int kShift>
-  void fit(std::size_t x, std::size_t p, std::size_t count) noexcept;
+  void fit(std::size_t x, std::size_t count) noexcept;
   template <int kShift, bool kAll>
   void fit_some(std::size_t x, std::size_t p, std::size_t count, std::int16_t* kept,
                 std::int16_t* fitted) noexcept;

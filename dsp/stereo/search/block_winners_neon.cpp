@@ -102,10 +102,12 @@ struct Neon {
   static V numbers(std::size_t v) noexcept { return vdupq_n_u16(static_cast<std::uint16_t>(v)); }
 
   static V outside(int first, int begin, int end) noexcept {
-    // Less `begin`, wrapped, those inside are below the number of candidates.
-    const V candidate =
-        vaddq_u16(vld1q_u16(kNumbers), vdupq_n_u16(static_cast<std::uint16_t>(first - begin)));
-    return vcgeq_u16(candidate, vdupq_n_u16(static_cast<std::uint16_t>(std::max(end - begin, 0))));
+    // Less `begin`, wrapped, those inside are at most the last one. Of none, all are far behind.
+    const int last = std::max(end - begin - 1, 0);
+    const int from = end > begin ? begin : -32768;
+    const V least = vaddq_u16(vld1q_u16(kNumbers), vdupq_n_u16(static_cast<std::uint16_t>(-from)));
+    return vcgtq_u16(vaddq_u16(least, vdupq_n_u16(static_cast<std::uint16_t>(first))),
+                     vdupq_n_u16(static_cast<std::uint16_t>(last)));
   }
 
   static uint8x16_t pixel(const std::uint8_t* p) noexcept { return vdupq_n_u8(*p); }
