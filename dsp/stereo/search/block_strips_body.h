@@ -47,6 +47,12 @@ inline bool whole(const BlockRow& row, std::size_t x, std::size_t count) noexcep
   return first.begin == 0 && last.begin == 0 && first.end == row.lanes && last.end == row.lanes;
 }
 
+// Makes an address one that compilers do not put together anew for each column.
+template <typename T>
+inline void settle(T*& address) noexcept {
+  asm("" : "+r"(address));  // NOLINT(hicpp-no-assembler): no instruction
+}
+
 // Where the pixels and the sums of a column lie, from one candidate on.
 struct Place {
   const std::uint8_t* new_left;
@@ -61,7 +67,13 @@ struct Place {
         old_left(pixels.old_left.data() + k),
         new_right(pixels.new_right.data() + (pixels.new_left.size() - 1 - k + first)),
         old_right(pixels.old_right.data() + (pixels.new_left.size() - 1 - k + first)),
-        column(columns + k * lanes + first) {}
+        column(columns + k * lanes + first) {
+    settle(new_left);
+    settle(old_left);
+    settle(new_right);
+    settle(old_right);
+    settle(column);
+  }
 
   void advance(std::size_t lanes) noexcept {
     ++new_left;

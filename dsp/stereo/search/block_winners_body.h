@@ -131,6 +131,10 @@ class Pass {
     std::uint16_t* to = sums(x) + first;
     std::uint16_t* eights = chunk_.eights.data();
     std::uint16_t* parts = chunk_.parts.data();
+    settle(leaving);
+    settle(to);
+    settle(eights);
+    settle(parts);
     Strip<Isa, kPairs> strip;
     strip.load(state_ + first);
     for (std::size_t p = 0; p < count; ++p) {
