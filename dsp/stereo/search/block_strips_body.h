@@ -116,11 +116,16 @@ struct Strip {
       Isa::store(at.column, a);
       sums[0] = Isa::add(sums[0], a);
     }
+    // All pixels first: they could lie where sums are stored, as far as compilers know.
+    typename Isa::Change changes[std::max<std::size_t>(kPairs, 1)];
+    for (std::size_t q = 0; q < kPairs; ++q) {
+      changes[q] = Isa::change(in, at.new_right + q * kPair, gone, at.old_right + q * kPair);
+    }
     for (std::size_t q = 0; q < kPairs; ++q) {
       std::uint16_t* const column = at.column + q * kPair;
       V a = Isa::load(column);
       V b = Isa::load(column + Isa::kLanes);
-      Isa::exchange(in, at.new_right + q * kPair, gone, at.old_right + q * kPair, a, b);
+      Isa::add_change(changes[q], a, b);
       Isa::store(column, a);
       Isa::store(column + Isa::kLanes, b);
       sums[2 * q] = Isa::add(sums[2 * q], a);

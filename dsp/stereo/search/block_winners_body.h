@@ -11,7 +11,8 @@
 //   V, kLanes                      a vector of u16 sums
 //   load, store, add, sub, smaller, either (bitwise or), without (a and not b), eighth (>> 3)
 //   pixel(p)                       a left pixel in all lanes
-//   exchange(l, r, ol, or, a, b)   a, b += 8 (|l - r| - |ol - or|) of 2 kLanes candidates
+//   Change, change(l, r, ol, or)   |l - r| and |ol - or| of 2 kLanes candidates
+//   add_change(change, a, b)       a, b += 8 (|l - r| - |ol - or|)
 //   exchange(l, r, ol, or, a)      of kLanes, where these are 16
 //   numbers(v)                     what the groups of the v-th vector of 64 are numbered with
 //   outside(first, begin, end)     all ones in lanes whose candidate, first + lane, is none of

@@ -111,10 +111,14 @@ struct Neon {
   }
 
   static uint8x16_t pixel(const std::uint8_t* p) noexcept { return vdupq_n_u8(*p); }
-  static void exchange(uint8x16_t in, const std::uint8_t* new_right, uint8x16_t gone,
-                       const std::uint8_t* old_right, V& a, V& b) noexcept {
-    simd::add_eight_times(simd::difference_of_small(in, vld1q_u8(new_right)),
-                          simd::difference_of_small(gone, vld1q_u8(old_right)), a, b);
+  using Change = uint8x16x2_t;
+  static Change change(uint8x16_t in, const std::uint8_t* new_right, uint8x16_t gone,
+                       const std::uint8_t* old_right) noexcept {
+    return {{simd::difference_of_small(in, vld1q_u8(new_right)),
+             simd::difference_of_small(gone, vld1q_u8(old_right))}};
+  }
+  static void add_change(const Change& change, V& a, V& b) noexcept {
+    simd::add_eight_times(change.val[0], change.val[1], a, b);
   }
 
   static constexpr std::size_t kColumns = 8;
