@@ -6,7 +6,6 @@
 #include <span>
 
 #include "dsp/base/check.h"
-#include "dsp/base/mutation.h"
 #include "dsp/stereo/search/numbered_right_winners.h"
 
 // numbered_right_winners() of the vector variants. Isa is the vocabulary of one of them:
@@ -200,7 +199,6 @@ void find(std::span<const std::uint16_t> costs, int lanes,
     }
     Isa::store(lowest, winner, winners.data() + j);
   }
-  mutate(winners);
 }
 
 }  // namespace stof::dsp::numbered_right_winners_body
