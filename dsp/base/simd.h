@@ -99,9 +99,10 @@ inline void add_eight_times(uint8x16_t a, uint8x16_t b, uint16x8_t& low,
   high = vaddq_u16(
       high, std::bit_cast<uint16x8_t>(_mm_maddubs_epi16(_mm_unpackhi_epi8(first, second), by)));
 #else
-  const uint8x8_t eight = vdup_n_u8(8);
-  low = vmlsl_u8(vmlal_u8(low, vget_low_u8(a), eight), vget_low_u8(b), eight);
-  high = vmlsl_u8(vmlal_u8(high, vget_high_u8(a), eight), vget_high_u8(b), eight);
+  const int8x8_t eight = vdup_n_s8(8);
+  const int8x16_t change = vreinterpretq_s8_u8(vsubq_u8(a, b));
+  low = vreinterpretq_u16_s16(vmlal_s8(vreinterpretq_s16_u16(low), vget_low_s8(change), eight));
+  high = vreinterpretq_u16_s16(vmlal_s8(vreinterpretq_s16_u16(high), vget_high_s8(change), eight));
 #endif
 }
 

@@ -15,6 +15,7 @@
 #include "dsp/stereo/refine/least_squares.h"
 #include "dsp/stereo/refine/subpixel.h"
 #include "dsp/stereo/row_search.h"
+#include "dsp/stereo/search/numbered_right_winners.h"
 #include "dsp/stereo/search/winner.h"
 #include "dsp/stereo/validation/left_right.h"
 #include "dsp/stereo/validation/peak_ratio.h"
@@ -23,8 +24,7 @@
 
 namespace stof::dsp {
 
-// The scale of costs, for distinctness (validation/winner_margin.h).
-struct CostScale {
+struct CostScale {           // for distinctness (validation/winner_margin.h)
   std::int64_t largest = 0;  // cost
   int margin_percent = kMarginPercent;
 };
@@ -74,15 +74,14 @@ class RowChecks {
     }
   }
 
-  // The margins of some columns.
   template <typename Cost>
   void compare_costs(std::span<const Cost> costs, std::span<const std::int16_t> winners,
                      std::span<std::int16_t> margins) const noexcept {
     best::winner_margins(costs, lanes_, winners, margin_.percent, margin_.shift, margins);
   }
 
-  // Where a rival costs no more than the winner, or nothing was compared, the winner is chance: a
-  // pattern that repeats is as good a match one period on. Only where the ratio is known.
+  // Where a rival costs no more than the winner (a pattern that repeats), or nothing was compared,
+  // the winner is chance. Only where the ratio is known.
   void drop_ties(std::span<const std::uint8_t> ratio,
                  std::span<std::int16_t> winners) const noexcept {
     if (!params_.distinct || !params_.confidence) {
@@ -95,10 +94,17 @@ class RowChecks {
     }
   }
 
-  void check_left_right(std::span<const Sum> judged, std::span<std::int16_t> winners) noexcept {
+  // numbered: whether the costs are numbered_cost() each, which u16 alone can be.
+  void check_left_right(std::span<const Sum> judged, std::span<std::int16_t> winners,
+                        bool numbered = false) noexcept {
     if (params_.left_right_tolerance) {
       const std::size_t n = winners.size() + index(lanes_) - 1;
-      best::right_winners(judged, lanes_, lowest_.first(n), right_winners_.first(n));
+      if constexpr (std::is_same_v<Sum, std::uint16_t>) {
+        numbered ? best::numbered_right_winners(judged, lanes_, right_winners_.first(n))
+                 : best::right_winners(judged, lanes_, lowest_.first(n), right_winners_.first(n));
+      } else {
+        best::right_winners(judged, lanes_, lowest_.first(n), right_winners_.first(n));
+      }
       best::left_right_check(right_winners_.first(n), *params_.left_right_tolerance, winners);
     }
   }

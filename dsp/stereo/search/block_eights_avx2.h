@@ -20,7 +20,7 @@ struct Eights : BlockVectors<Isa> {  // NOLINT(bugprone-crtp-constructor-accessi
     const auto found = lowest_of_each(eights, eights + 64);
     const __m256i group = _mm256_slli_epi16(_mm256_and_si256(found.sums, words(7)), 3);
     __m256i winner = _mm256_add_epi16(_mm256_add_epi16(group, found.lanes),
-                                      words(static_cast<std::int16_t>(first)));
+                                      words(static_cast<std::int16_t>(first & ~63U)));
     __m256i cost = _mm256_srli_epi16(found.sums, 3);  // below 2^15: signed comparisons will do
     if (first != 0) {
       const __m256i before = get(costs);

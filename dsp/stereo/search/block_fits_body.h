@@ -23,9 +23,7 @@ void Pass<Isa>::finish(std::size_t x, std::size_t count) noexcept {
   if (!out_.margins.empty()) {
     find_margins(x, count);
   }
-  for (std::size_t p = 0; p < count; p += Isa::kColumns) {
-    keeps_costs() ? fit<0>(x, p, count) : fit<3>(x, p, count);
-  }
+  keeps_costs() ? fit<0>(x, count) : fit<3>(x, count);
 }
 
 template <typename Isa>
@@ -64,19 +62,21 @@ void Pass<Isa>::find_margins(std::size_t x, std::size_t count) noexcept {
 
 template <typename Isa>
 template <int kShift>
-void Pass<Isa>::fit(std::size_t x, std::size_t p, std::size_t count) noexcept {
+void Pass<Isa>::fit(std::size_t x, std::size_t count) noexcept {
   static_assert(sizeof(Disparity) == sizeof(std::int16_t));
-  std::int16_t* const winners = out_.winners.data() + x + p;
-  Disparity* const fitted = out_.fitted.data() + x + p;
-  if (p + Isa::kColumns <= count) {
-    fit_some<kShift, true>(x, p, Isa::kColumns, winners, &fitted->raw);
-    return;
+  std::int16_t* const winners = out_.winners.data() + x;
+  Disparity* const fitted = out_.fitted.data() + x;
+  std::size_t p = 0;
+  for (; p + Isa::kColumns <= count; p += Isa::kColumns) {
+    fit_some<kShift, true>(x, p, Isa::kColumns, winners + p, &fitted[p].raw);
   }
-  const std::size_t some = count - p;
-  std::int16_t rest[2][Isa::kColumns];
-  fit_some<kShift, false>(x, p, some, rest[0], rest[1]);
-  std::memcpy(winners, rest[0], some * sizeof(std::int16_t));
-  std::memcpy(fitted, rest[1], some * sizeof(std::int16_t));
+  if (p < count) {
+    const std::size_t some = count - p;
+    std::int16_t rest[2][Isa::kColumns];
+    fit_some<kShift, false>(x, p, some, rest[0], rest[1]);
+    std::memcpy(winners + p, rest[0], some * sizeof(std::int16_t));
+    std::memcpy(fitted + p, rest[1], some * sizeof(std::int16_t));
+  }
 }
 
 // Those beyond `count` mean nothing.
@@ -84,12 +84,13 @@ template <typename Isa>
 template <int kShift, bool kAll>
 void Pass<Isa>::fit_some(std::size_t x, std::size_t p, std::size_t count, std::int16_t* kept,
                          std::int16_t* fitted) noexcept {
-  const std::uint16_t* const first = sums(x) + p * lanes_;
+  const std::uint16_t* before = sums(x) + p * lanes_ - 1;
   const std::int16_t* const winners = chunk_.winners.data() + p;
   const std::uint16_t* around[Isa::kColumns];
   for (std::size_t k = 0; k < Isa::kColumns; ++k) {
     const std::size_t pixel = kAll ? k : std::min(k, count - 1);  // the last that there is
-    around[k] = first + pixel * lanes_ + winners[pixel] - 1;
+    around[k] = before + winners[pixel];
+    before += kAll || k + 1 < count ? lanes_ : 0;
   }
   Isa::template fit<kShift>(row_, around, chunk_.costs.data() + p, winners, kept, fitted);
 }

@@ -25,6 +25,7 @@ CostScale scale_of(const MatchParams& params) noexcept {
 
 BlockSearch::BlockSearch(const MatchParams& params, int width, Arena& arena) noexcept
     : params_(params),
+      numbered_(!params.guided && !params.confidence && !params.uniqueness_percent),
       blocks_(params, width, arena),
       checks_(params, scale_of(params), width, arena),
       winners_(arena.take_passing<std::int16_t>(index(width))) {
@@ -59,7 +60,8 @@ void BlockSearch::match(int y, const MatchedRow& out) noexcept {
               {.winners = winners,
                .fitted = out.disparity,
                .costs = costs,
-               .margins = narrowed ? std::span<std::int16_t>() : out.margins});
+               .margins = narrowed ? std::span<std::int16_t>() : out.margins,
+               .numbered = numbered_});
   FoundRow<std::uint16_t> found{.costs = costs, .judged = costs, .winners = winners};
   if (narrowed) {
     best::mask_candidates(found.costs, guide, lanes, masked_.first(costs.size()));
@@ -73,7 +75,7 @@ void BlockSearch::match(int y, const MatchedRow& out) noexcept {
     // A guide may leave one candidate, which has no rival.
     checks_.drop_ties(out.ratio, winners);
   }
-  checks_.check_left_right(found.judged, winners);
+  checks_.check_left_right(found.judged, winners, numbered_);
   if (narrowed) {
     checks_.fit_costs(found.judged, winners, out.disparity);
   } else {
@@ -94,7 +96,12 @@ void BlockSearch::compare_border(const FoundRow<std::uint16_t>& found,
   const int width = static_cast<int>(found.winners.size());
   for (const int x : border_columns(width)) {
     if (!out.margins.empty() && x >= 0 && x < width) {
-      checks_.compare_costs(found.costs.subspan(index(x) * lanes, lanes),
+      std::array<std::uint16_t, 256> costs;
+      for (std::size_t i = 0; i < lanes; ++i) {
+        const std::uint16_t cost = found.costs[index(x) * lanes + i];
+        costs[i] = numbered_ ? cost_of_numbered(cost) : cost;
+      }
+      checks_.compare_costs(std::span<const std::uint16_t>(costs).first(lanes),
                             found.winners.subspan(index(x), 1), out.margins.subspan(index(x), 1));
     }
   }

@@ -24,8 +24,12 @@ struct alignas(64) Chunk {
   bool has_first;  // a winner is candidate 0
 };
 
-// What becomes of the sums: they stay as they are, become costs, or are added up too.
-enum class Keep : std::uint8_t { kSums, kCosts, kTotals };
+// What becomes of the sums: they stay as they are, or become costs; the costs are added up too.
+enum class Keep : std::uint8_t { kSums, kCosts, kSumsAndTotals, kCostsAndTotals };
+constexpr bool keeps_sums(Keep kept) noexcept {
+  return kept == Keep::kSums || kept == Keep::kSumsAndTotals;
+}
+constexpr bool counts_totals(Keep kept) noexcept { return kept >= Keep::kSumsAndTotals; }
 
 // Candidates begin .. end - 1 exist.
 struct Limits {
@@ -43,6 +47,12 @@ inline bool whole(const BlockRow& row, std::size_t x, std::size_t count) noexcep
   return first.begin == 0 && last.begin == 0 && first.end == row.lanes && last.end == row.lanes;
 }
 
+// Makes an address one that compilers do not put together anew for each column.
+template <typename T>
+inline void settle(T*& address) noexcept {
+  asm("" : "+r"(address));  // NOLINT(hicpp-no-assembler): no instruction
+}
+
 // Where the pixels and the sums of a column lie, from one candidate on.
 struct Place {
   const std::uint8_t* new_left;
@@ -57,7 +67,13 @@ struct Place {
         old_left(pixels.old_left.data() + k),
         new_right(pixels.new_right.data() + (pixels.new_left.size() - 1 - k + first)),
         old_right(pixels.old_right.data() + (pixels.new_left.size() - 1 - k + first)),
-        column(columns + k * lanes + first) {}
+        column(columns + k * lanes + first) {
+    settle(new_left);
+    settle(old_left);
+    settle(new_right);
+    settle(old_right);
+    settle(column);
+  }
 
   void advance(std::size_t lanes) noexcept {
     ++new_left;
@@ -100,11 +116,16 @@ struct Strip {
       Isa::store(at.column, a);
       sums[0] = Isa::add(sums[0], a);
     }
+    // All pixels first: they could lie where sums are stored, as far as compilers know.
+    typename Isa::Change changes[std::max<std::size_t>(kPairs, 1)];
+    for (std::size_t q = 0; q < kPairs; ++q) {
+      changes[q] = Isa::change(in, at.new_right + q * kPair, gone, at.old_right + q * kPair);
+    }
     for (std::size_t q = 0; q < kPairs; ++q) {
       std::uint16_t* const column = at.column + q * kPair;
       V a = Isa::load(column);
       V b = Isa::load(column + Isa::kLanes);
-      Isa::exchange(in, at.new_right + q * kPair, gone, at.old_right + q * kPair, a, b);
+      Isa::add_change(changes[q], a, b);
       Isa::store(column, a);
       Isa::store(column + Isa::kLanes, b);
       sums[2 * q] = Isa::add(sums[2 * q], a);
@@ -121,13 +142,13 @@ struct Strip {
     V counted[kVectors];
     for (std::size_t v = 0; v < kVectors; ++v) {
       kept[v] = sums[v];
-      const V wanted = kKeep == Keep::kSums ? sums[v] : Isa::eighth(sums[v]);
-      counted[v] = wanted;
+      counted[v] = kKeep == Keep::kSums ? sums[v] : Isa::eighth(sums[v]);
+      const V wanted = keeps_sums(kKeep) ? sums[v] : counted[v];
       if constexpr (kMasked) {
         const int candidate = first + static_cast<int>(v * Isa::kLanes);
         const V outside = Isa::outside(candidate, exist.begin, exist.end);
         kept[v] = Isa::either(kept[v], outside);
-        counted[v] = Isa::without(wanted, outside);
+        counted[v] = Isa::without(counted[v], outside);
         Isa::store(to + v * Isa::kLanes, Isa::either(wanted, outside));
       } else {
         Isa::store(to + v * Isa::kLanes, wanted);
@@ -140,7 +161,7 @@ struct Strip {
       }
     }
     Isa::store_eight(eights, kept[0]);
-    if constexpr (kKeep == Keep::kTotals) {
+    if constexpr (counts_totals(kKeep)) {
       Isa::store_parts(parts, counted[0]);
     }
   }

@@ -20,6 +20,15 @@
 namespace stof::dsp {
 
 inline constexpr int kBlockSumScale = 8;
+// A cost with the number of its candidate's group, as sums have it; kNoCost remains.
+constexpr std::uint16_t numbered_cost(std::uint16_t cost, int candidate) noexcept {
+  return cost == kNoCost<std::uint16_t>
+             ? cost
+             : static_cast<std::uint16_t>(kBlockSumScale * cost + candidate / 8 % 8);
+}
+constexpr std::uint16_t cost_of_numbered(std::uint16_t numbered) noexcept {
+  return numbered == kNoCost<std::uint16_t> ? numbered : numbered / kBlockSumScale;
+}
 // The largest sum of a block: eight times it and the number of a group fit u16, below the value for
 // no candidate; so does the largest number of the fit, 8.5 times a difference of sums.
 inline constexpr int kLargestBlockSum = 7710;
@@ -60,6 +69,8 @@ struct BlockMatches {
   std::span<std::uint16_t> costs;
   // Empty, or what winner_margins() finds of these winners and costs; not without costs.
   std::span<std::int16_t> margins = {};
+  // Whether `costs` are numbered_cost() each, of which the search makes no others.
+  bool numbered = false;
 };
 inline constexpr int kBlockCostMargin = 32;  // a cache line
 

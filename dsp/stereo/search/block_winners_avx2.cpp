@@ -42,12 +42,16 @@ struct Avx2 : Eights<Avx2> {
   }
 
   static V pixel(const std::uint8_t* p) noexcept { return bits(all(*p)); }
-  static void exchange(V in, const std::uint8_t* new_right, V gone, const std::uint8_t* old_right,
-                       V& a, V& b) noexcept {
+  using Change = V;
+  static V change(V in, const std::uint8_t* new_right, V gone,
+                  const std::uint8_t* old_right) noexcept {
     const V entering = _mm256_abs_epi8(_mm256_sub_epi8(in, bits(avx2::load<u8x32>(new_right))));
     const V leaving = _mm256_abs_epi8(_mm256_sub_epi8(gone, bits(avx2::load<u8x32>(old_right))));
+    return _mm256_sub_epi8(entering, leaving);
+  }
+  static void add_change(V of, V& a, V& b) noexcept {
     // Unpacked, quarters 0 2 1 3 are in order. 256 times the change, then 8 times.
-    const V change = _mm256_permute4x64_epi64(_mm256_sub_epi8(entering, leaving), 0xD8);
+    const V change = _mm256_permute4x64_epi64(of, 0xD8);
     const V zero = _mm256_setzero_si256();
     a = _mm256_add_epi16(a, _mm256_srai_epi16(_mm256_unpacklo_epi8(zero, change), 5));
     b = _mm256_add_epi16(b, _mm256_srai_epi16(_mm256_unpackhi_epi8(zero, change), 5));

@@ -49,11 +49,14 @@ struct Avx512 : avx2::Eights<Avx512> {
   }
 
   static V pixel(const std::uint8_t* p) noexcept { return _mm512_set1_epi8(static_cast<char>(*p)); }
-  static void exchange(V in, const std::uint8_t* new_right, V gone, const std::uint8_t* old_right,
-                       V& a, V& b) noexcept {
+  using Change = V;
+  static V change(V in, const std::uint8_t* new_right, V gone,
+                  const std::uint8_t* old_right) noexcept {
     const V entering = _mm512_abs_epi8(_mm512_sub_epi8(in, _mm512_loadu_si512(new_right)));
     const V leaving = _mm512_abs_epi8(_mm512_sub_epi8(gone, _mm512_loadu_si512(old_right)));
-    const V change = _mm512_sub_epi8(entering, leaving);
+    return _mm512_sub_epi8(entering, leaving);
+  }
+  static void add_change(V change, V& a, V& b) noexcept {
     const V low = _mm512_cvtepi8_epi16(_mm512_castsi512_si256(change));
     const V high = _mm512_cvtepi8_epi16(_mm512_extracti64x4_epi64(change, 1));
     a = _mm512_add_epi16(a, _mm512_slli_epi16(low, 3));

@@ -11,9 +11,10 @@
 //   V, kLanes                      a vector of u16 sums
 //   load, store, add, sub, smaller, either (bitwise or), without (a and not b), eighth (>> 3)
 //   pixel(p)                       a left pixel in all lanes
-//   exchange(l, r, ol, or, a, b)   a, b += 8 (|l - r| - |ol - or|) of 2 kLanes candidates
+//   Change, change(l, r, ol, or)   |l - r| and |ol - or| of 2 kLanes candidates
+//   add_change(change, a, b)       a, b += 8 (|l - r| - |ol - or|)
 //   exchange(l, r, ol, or, a)      of kLanes, where these are 16
-//   numbers(v)                     what the groups of the v-th vector are numbered with
+//   numbers(v)                     what the groups of the v-th vector of 64 are numbered with
 //   outside(first, begin, end)     all ones in lanes whose candidate, first + lane, is none of
 //   these store_eight(p, v)              the lowest of each lane number modulo 8 store_parts(p, v)
 //   the sums of each lane number modulo 8 add_parts(parts, first, totals)
@@ -76,10 +77,10 @@ class Pass {
     }
   }
 
-  bool keeps_costs() const noexcept { return !out_.costs.empty(); }
+  bool keeps_costs() const noexcept { return !out_.costs.empty() && !out_.numbered; }
   // The sums of a chunk that are in memory.
   std::uint16_t* sums(std::size_t x) noexcept {
-    return keeps_costs() ? out_.costs.data() + x * lanes_ : ring_ + kMargin;
+    return out_.costs.empty() ? ring_ + kMargin : out_.costs.data() + x * lanes_;
   }
 
   // The first block but for its last column.
@@ -87,7 +88,7 @@ class Pass {
   void begin(std::size_t first) noexcept {
     Strip<Isa, kPairs> strip;
     for (std::size_t v = 0; v < strip.kVectors; ++v) {
-      strip.sums[v] = Isa::numbers(v);
+      strip.sums[v] = Isa::numbers(first % 64 / Isa::kLanes + v);
     }
     Place at(pixels_, columns_, lanes_, 0, first);
     for (std::size_t k = 0; k + 1 < block_; ++k, at.advance(lanes_)) {
@@ -113,7 +114,8 @@ class Pass {
   template <std::size_t kPairs, bool kMasked>
   void run_kept(std::size_t x, std::size_t count, std::size_t first) noexcept {
     if (!out_.margins.empty()) {
-      run<kPairs, kMasked, Keep::kTotals>(x, count, first);
+      keeps_costs() ? run<kPairs, kMasked, Keep::kCostsAndTotals>(x, count, first)
+                    : run<kPairs, kMasked, Keep::kSumsAndTotals>(x, count, first);
     } else if (keeps_costs()) {
       run<kPairs, kMasked, Keep::kCosts>(x, count, first);
     } else {
@@ -130,6 +132,10 @@ class Pass {
     std::uint16_t* to = sums(x) + first;
     std::uint16_t* eights = chunk_.eights.data();
     std::uint16_t* parts = chunk_.parts.data();
+    settle(leaving);
+    settle(to);
+    settle(eights);
+    settle(parts);
     Strip<Isa, kPairs> strip;
     strip.load(state_ + first);
     for (std::size_t p = 0; p < count; ++p) {
@@ -150,7 +156,7 @@ class Pass {
   void drop_ties(std::size_t x, std::size_t count) noexcept;
   void find_margins(std::size_t x, std::size_t count) noexcept;
   template <int kShift>
-  void fit(std::size_t x, std::size_t p, std::size_t count) noexcept;
+  void fit(std::size_t x, std::size_t count) noexcept;
   template <int kShift, bool kAll>
   void fit_some(std::size_t x, std::size_t p, std::size_t count, std::int16_t* kept,
                 std::int16_t* fitted) noexcept;

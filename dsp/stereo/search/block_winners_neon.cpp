@@ -38,14 +38,14 @@ void find_lowest(const std::uint16_t* eights, uint16x8_t& lowest, uint16x8_t& wh
   };
   lowest = least_of_each(v);
   const uint16x8_t number = {0, 1, 2, 3, 4, 5, 6, 7};
-  v[0] = vornq_u16(number, vceqq_u16(v[0], vdupq_laneq_u16(lowest, 0)));
-  v[1] = vornq_u16(number, vceqq_u16(v[1], vdupq_laneq_u16(lowest, 1)));
-  v[2] = vornq_u16(number, vceqq_u16(v[2], vdupq_laneq_u16(lowest, 2)));
-  v[3] = vornq_u16(number, vceqq_u16(v[3], vdupq_laneq_u16(lowest, 3)));
-  v[4] = vornq_u16(number, vceqq_u16(v[4], vdupq_laneq_u16(lowest, 4)));
-  v[5] = vornq_u16(number, vceqq_u16(v[5], vdupq_laneq_u16(lowest, 5)));
-  v[6] = vornq_u16(number, vceqq_u16(v[6], vdupq_laneq_u16(lowest, 6)));
-  v[7] = vornq_u16(number, vceqq_u16(v[7], vdupq_laneq_u16(lowest, 7)));
+  v[0] = vorrq_u16(number, vcgtq_u16(v[0], vdupq_laneq_u16(lowest, 0)));
+  v[1] = vorrq_u16(number, vcgtq_u16(v[1], vdupq_laneq_u16(lowest, 1)));
+  v[2] = vorrq_u16(number, vcgtq_u16(v[2], vdupq_laneq_u16(lowest, 2)));
+  v[3] = vorrq_u16(number, vcgtq_u16(v[3], vdupq_laneq_u16(lowest, 3)));
+  v[4] = vorrq_u16(number, vcgtq_u16(v[4], vdupq_laneq_u16(lowest, 4)));
+  v[5] = vorrq_u16(number, vcgtq_u16(v[5], vdupq_laneq_u16(lowest, 5)));
+  v[6] = vorrq_u16(number, vcgtq_u16(v[6], vdupq_laneq_u16(lowest, 6)));
+  v[7] = vorrq_u16(number, vcgtq_u16(v[7], vdupq_laneq_u16(lowest, 7)));
   where = least_of_each(v);
 #endif
 }
@@ -102,17 +102,23 @@ struct Neon {
   static V numbers(std::size_t v) noexcept { return vdupq_n_u16(static_cast<std::uint16_t>(v)); }
 
   static V outside(int first, int begin, int end) noexcept {
-    // Less `begin`, wrapped, those inside are below the number of candidates.
-    const V candidate =
-        vaddq_u16(vld1q_u16(kNumbers), vdupq_n_u16(static_cast<std::uint16_t>(first - begin)));
-    return vcgeq_u16(candidate, vdupq_n_u16(static_cast<std::uint16_t>(std::max(end - begin, 0))));
+    // Less `begin`, wrapped, those inside are at most the last one. Of none, all are far behind.
+    const int last = std::max(end - begin - 1, 0);
+    const int from = end > begin ? begin : -32768;
+    const V least = vaddq_u16(vld1q_u16(kNumbers), vdupq_n_u16(static_cast<std::uint16_t>(-from)));
+    return vcgtq_u16(vaddq_u16(least, vdupq_n_u16(static_cast<std::uint16_t>(first))),
+                     vdupq_n_u16(static_cast<std::uint16_t>(last)));
   }
 
   static uint8x16_t pixel(const std::uint8_t* p) noexcept { return vdupq_n_u8(*p); }
-  static void exchange(uint8x16_t in, const std::uint8_t* new_right, uint8x16_t gone,
-                       const std::uint8_t* old_right, V& a, V& b) noexcept {
-    simd::add_eight_times(simd::difference_of_small(in, vld1q_u8(new_right)),
-                          simd::difference_of_small(gone, vld1q_u8(old_right)), a, b);
+  using Change = uint8x16x2_t;
+  static Change change(uint8x16_t in, const std::uint8_t* new_right, uint8x16_t gone,
+                       const std::uint8_t* old_right) noexcept {
+    return {{simd::difference_of_small(in, vld1q_u8(new_right)),
+             simd::difference_of_small(gone, vld1q_u8(old_right))}};
+  }
+  static void add_change(const Change& change, V& a, V& b) noexcept {
+    simd::add_eight_times(change.val[0], change.val[1], a, b);
   }
 
   static constexpr std::size_t kColumns = 8;
@@ -124,7 +130,7 @@ struct Neon {
     find_lowest(eights, sums, lane);
     const V group = vshlq_n_u16(vandq_u16(sums, vdupq_n_u16(7)), 3);
     const int16x8_t winner = vreinterpretq_s16_u16(
-        vaddq_u16(vaddq_u16(group, lane), vdupq_n_u16(static_cast<std::uint16_t>(first))));
+        vaddq_u16(vaddq_u16(group, lane), vdupq_n_u16(static_cast<std::uint16_t>(first & ~63U))));
     const V cost = vshrq_n_u16(sums, 3);
     int16x8_t best = winner;
     if (first == 0) {

@@ -53,7 +53,10 @@ void block_winners(const BlockPixels& pixels, const BlockRow& row, std::span<std
                    std::span<const std::int16_t>(out.winners.subspan(x, 1)),
                    out.fitted.subspan(x, 1));
     if (!out.costs.empty()) {
-      std::ranges::copy(pixel, out.costs.subspan(x * lanes).begin());
+      const std::span<std::uint16_t> kept = out.costs.subspan(x * lanes, lanes);
+      for (std::size_t i = 0; i < lanes; ++i) {
+        kept[i] = out.numbered ? numbered_cost(pixel[i], static_cast<int>(i)) : pixel[i];
+      }
     }
     if (!out.margins.empty()) {
       winner_margins(pixel, row.lanes, std::span<const std::int16_t>(out.winners.subspan(x, 1)),

@@ -11,16 +11,16 @@
 namespace stof::dsp::neon {
 namespace {
 
-// The right winner of eight left pixels; pixels without a winner read candidate 0, harmlessly.
+constexpr std::int16_t kLanes[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+
+// The right winners at eight places.
 template <int kLane>
-int16x8_t gather(const std::int16_t* match_of_first, const std::int16_t* winners,
-                 int16x8_t result) noexcept {
+int16x8_t gather(const std::int16_t* from, int16x8_t places, int16x8_t result) noexcept {
   if constexpr (kLane == 8) {
     return result;
   } else {
-    const std::int16_t* const match =
-        match_of_first - kLane + std::max<std::int16_t>(winners[kLane], 0);
-    return gather<kLane + 1>(match_of_first, winners, vld1q_lane_s16(match, result, kLane));
+    const std::int16_t* const match = from + vgetq_lane_s16(places, kLane);
+    return gather<kLane + 1>(from, places, vld1q_lane_s16(match, result, kLane));
   }
 }
 
@@ -36,8 +36,9 @@ void left_right_check(std::span<const std::int16_t> right_winners, int tolerance
   std::size_t x = 0;
   for (; x + 8 <= n; x += 8) {
     const int16x8_t winner = vld1q_s16(winners.data() + x);
-    const int16x8_t back =
-        gather<0>(right_winners.data() + (n - 1 - x), winners.data() + x, vdupq_n_s16(0));
+    // Pixels without a winner read candidate 0, harmlessly.
+    const int16x8_t places = vsubq_s16(vmaxq_s16(winner, vdupq_n_s16(0)), vld1q_s16(kLanes));
+    const int16x8_t back = gather<0>(right_winners.data() + (n - 1 - x), places, vdupq_n_s16(0));
     const uint16x8_t near = vcleq_s16(vabdq_s16(back, winner), largest);
     const uint16x8_t keep = vbicq_u16(near, vceqq_s16(back, none));
     vst1q_s16(winners.data() + x, vbslq_s16(keep, winner, none));
