@@ -65,7 +65,7 @@ class AmbiguityResolver : private FusedPixels {
       }
     });
     if (!row_.view.empty() && !params_.wide_pmd) {
-      around_.judge_edges(edge_);
+      around_.widen_edges(edge_);
     }
     drop_wide_edges();
     folded_.each(n, [this](std::size_t x) noexcept {

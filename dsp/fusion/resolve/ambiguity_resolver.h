@@ -135,8 +135,8 @@ inline constexpr int kWideShadowMargin = 24;
 //   or it lies between L and R, and the PMD's near end is nearer by more than kMaxVagueGuess;
 //   or the PMD alone is left of it, and its near end is nearer by more than kMaxGuess;
 //   or its match alone is left of it, and the PMD's near end is nearer by more than kMaxSureGuess.
-// A kPmd at an edge, of fine pixels and where there is a view, is dropped likewise where matches
-// around are nearer by more than kMaxGuess; else its interval is widened to kEdgeShare.
+// The interval of a kPmd at an edge, of fine pixels and where there is a view, is widened to
+// kEdgeShare (surroundings.h).
 // A match at an edge with a ratio of kVagueRatio or more is widened, and dropped beyond
 // kMaxVagueGuess, likewise; then it is no neighbour of others. Elsewhere one of kVaguestRatio or
 // more is widened over the PMD's interval.

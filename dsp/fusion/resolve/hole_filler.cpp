@@ -13,6 +13,7 @@
 #include "dsp/fusion/resolve/ambiguity_resolver.h"
 #include "dsp/fusion/resolve/hole_masks.h"
 #include "dsp/fusion/resolve/pixel_set.h"
+#include "dsp/fusion/resolve/surrounding_matches.h"
 #include "dsp/stereo/match_params.h"
 
 namespace stof::dsp {
@@ -24,6 +25,7 @@ constexpr int kSurfaceShare = 6;  // width of a surface, of its depth
 constexpr int kOneSurface = 14;   // of the depth, what lies within a cell
 constexpr std::size_t kRank = 3;
 constexpr int kBeside = 2;          // cells
+constexpr int kNearerReadings = 2;  // of 16 around a guess
 constexpr std::size_t kFewest = 3;  // surfaces that may be meant, of a guess without a reading
 constexpr int kGuessPercent = 25;
 constexpr int kFarthestGuess = 4 * kMaxGuess;
@@ -54,6 +56,26 @@ void each_bit(CellBits bits, Visit visit) noexcept {
     const auto bit = static_cast<std::size_t>(std::countr_zero(bits));
     visit(bit % kCell, bit / kCell);
   }
+}
+
+// Whether the PMD sees something beside the pixel that is nearer than a depth by over a metre.
+bool is_beside_nearer(ImageView<const QuarterMm> high, int x, int y, int depth) noexcept {
+  int found = 0;
+  for (const int step : kSupportRings) {
+    for (const int row : {y - step, y, y + step}) {
+      if (row < 0 || row >= high.height()) {
+        continue;
+      }
+      const std::span<const QuarterMm> ends = high.row(row);
+      for (const int column : {x - step, x, x + step}) {
+        if (column >= 0 && column < high.width()) {
+          const int end = ends[index(column)];
+          found += end > 0 && end < depth - kMaxGuess ? 1 : 0;
+        }
+      }
+    }
+  }
+  return found >= kNearerReadings;
 }
 
 }  // namespace
@@ -88,6 +110,25 @@ class HoleFiller::OpenRow {
   }
   int half_over_pmd(std::size_t x, int depth, QuarterMm max_range) const noexcept {
     return std::max(depth - low_[x], std::min(high_[x], max_range) - depth);
+  }
+
+  QuarterMm depth(std::size_t x) const noexcept { return depth_[x]; }
+  // Of eight pixels from x on, fewer at the end.
+  QuarterMm farthest(std::size_t x) const noexcept {
+    if (x + kCell > depth_.size()) {
+      return std::ranges::max(depth_.subspan(x));
+    }
+    QuarterMm farthest = 0;
+    for (const QuarterMm depth : std::span<const QuarterMm>(depth_).subspan(x).first<kCell>()) {
+      farthest = std::max(farthest, depth);
+    }
+    return farthest;
+  }
+  void drop(std::size_t x) const noexcept {
+    depth_[x] = kNoDepth;
+    width_[x] = 0;
+    source_[x] = Source::kConflict;
+    cause_[x] = Cause::kMixedPixel;
   }
 
   void put(std::size_t x, QuarterMm depth, int half, Cause cause) const noexcept {
@@ -259,20 +300,24 @@ void HoleFiller::gather(Rows cells, const DepthMap& map) const noexcept {
 struct HoleFiller::OpenCells {
   std::array<PixelSet, kCell> hole;
   std::array<PixelSet, kCell> loose;
-  PixelSet any;  // of all its rows
+  std::array<PixelSet, kCell> guess;
+  PixelSet any;      // holes and loose ones of all its rows
+  PixelSet guesses;  // of all its rows
   std::array<OpenRow, kCell> pixels;
 
   void mark(const DepthMap& map, const HoleView& view, Rows rows) noexcept {
     const std::size_t n = index(map.depth.width());
     std::ranges::fill(any.words(n), 0U);
+    std::ranges::fill(guesses.words(n), 0U);
     for (int y = rows.begin; y < rows.end; ++y) {
       const std::size_t k = index(y - rows.begin);
       pixels[k] = OpenRow(map, view, y);
       best::hole_masks({map.depth.row(y), map.width.row(y), map.source.row(y), map.cause.row(y),
                         view.disparity.row(y)},
-                       {hole[k].words(n), loose[k].words(n)});
+                       {hole[k].words(n), loose[k].words(n), guess[k].words(n)});
       any.unite(hole[k], n);
       any.unite(loose[k], n);
+      guesses.unite(guess[k], n);
     }
   }
 };
@@ -286,6 +331,9 @@ void HoleFiller::fill(Rows cells, const HoleView& view, const MatchEvidence& evi
   OpenCells open;
   for (int row = cells.begin; row < cells.end; ++row) {
     open.mark(map, view, {row * kCell, std::min((row + 1) * kCell, height_)});
+    if (evidence.sees_finely()) {
+      drop_guesses(row, view, open);
+    }
     for (std::size_t x = open.any.next(0, n); x < n; x = open.any.next(x, n)) {
       const int column = static_cast<int>(x) / kCell;
       const Guess guess = Search(*this, evidence, column, row).guess();
@@ -293,6 +341,52 @@ void HoleFiller::fill(Rows cells, const HoleView& view, const MatchEvidence& evi
         fill_cell(column, row, guess, open, evidence);
       }
       x = index(column + 1) * kCell;
+    }
+  }
+}
+
+// They become holes.
+void HoleFiller::drop_guesses(int row, const HoleView& view, OpenCells& open) const noexcept {
+  const std::size_t n = index(width_);
+  const int rows = std::min(kCell, height_ - row * kCell);
+  // Of a column of three cells, less one: without a surface it is the farthest.
+  Columns nearest;
+  const std::span<const QuarterMm> above = near_.row(std::max(row - 1, 0));
+  const std::span<const QuarterMm> here = near_.row(row);
+  const std::span<const QuarterMm> below = near_.row(std::min(row + 1, near_.height() - 1));
+  for (std::size_t x = 0; x < here.size(); ++x) {
+    const auto less = [x](std::span<const QuarterMm> cells) noexcept {
+      return static_cast<QuarterMm>(cells[x] - 1);
+    };
+    nearest[x] = std::min({less(above), less(here), less(below)});
+  }
+  for (std::size_t x = open.guesses.next(0, n); x < n; x = open.guesses.next(x, n)) {
+    const std::size_t cell = x / kCell;
+    const std::size_t left = cell == 0 ? cell : cell - 1;
+    const std::size_t right = std::min(cell + 1, here.size() - 1);
+    const int most = std::min({nearest[left], nearest[cell], nearest[right]}) + 1 + kMaxGuess;
+    for (int k = 0; k < rows && most < kMaxQuarterMm; ++k) {
+      if (open.pixels[index(k)].farthest(cell * kCell) > most) {
+        drop_guesses(cell * kCell, row * kCell + k, most, view, open);
+      }
+    }
+    x = (cell + 1) * kCell;
+  }
+}
+
+// Of eight pixels of a row.
+void HoleFiller::drop_guesses(std::size_t first, int y, int most, const HoleView& view,
+                              OpenCells& open) noexcept {
+  const std::size_t k = index(y % kCell);
+  const OpenRow& pixels = open.pixels[k];
+  for (unsigned bits = open.guess[k].eight(first); bits != 0; bits &= bits - 1) {
+    const std::size_t x = first + static_cast<std::size_t>(std::countr_zero(bits));
+    const int depth = pixels.depth(x);
+    if (depth > most && is_beside_nearer(view.pmd_high, static_cast<int>(x), y, depth)) {
+      pixels.drop(x);
+      open.loose[k].remove(x);
+      open.hole[k].add(x);
+      open.any.add(x);
     }
   }
 }

@@ -41,6 +41,12 @@ struct HoleView {
 //       the PMD's interval holds the guess, it is taken, with an interval that holds the PMD's;
 //       in place of a kPmd moved towards its depth by at most a 64th of it;
 //       kResolved, kMixedPixel where that was the cause, else kStereoAmbiguous
+// First, where PMD pixels are fine, guesses of before become holes: a kPmd as above, and a
+// kResolved by kMixedPixel, kStereoAmbiguous or kOccluded. One is dropped (kConflict, kMixedPixel)
+// where a surface of its cell or of the eight around it is nearer by over a metre, and so do the
+// PMD's intervals end at two or more of the 16 pixels 4 and 8 px around it: it is beside an edge,
+// and may be of what is near.
+//
 // Others stay as they are, as do those where what might be there, or any surface up to two cells
 // away, is nearer than the guess by more than a metre: the pixel may be of its edge.
 //
@@ -74,6 +80,9 @@ class HoleFiller {
   Guess read(const Guess& guess, const MatchEvidence& evidence, int column, int row) const noexcept;
   class OpenRow;
   struct OpenCells;
+  void drop_guesses(int row, const HoleView& view, OpenCells& open) const noexcept;
+  static void drop_guesses(std::size_t first, int y, int most, const HoleView& view,
+                           OpenCells& open) noexcept;
   void fill_cell(int column, int row, const Guess& guess, const OpenCells& open,
                  const MatchEvidence& evidence) const noexcept;
   // Open pixels of the cell that begins in column x, a bit each: rows of eight, the first lowest.

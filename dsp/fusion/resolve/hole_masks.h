@@ -24,9 +24,12 @@ struct HoleRow {
 //   hole   kNone, or kConflict by kMixedPixel
 //   loose  kPmd with width kNarrowShare > depth - width / 2, or kResolved by kMixedPixel without a
 //          disparity
+// and those that it may drop:
+//   guess  kPmd as above, or kResolved by kMixedPixel, kStereoAmbiguous or kOccluded
 struct HoleMasks {
   std::span<std::uint64_t> hole;
   std::span<std::uint64_t> loose;
+  std::span<std::uint64_t> guess;
 };
 
 // Equal lengths n of the row, (n + 63) / 64 words each; any alignment; no overlap.
@@ -43,7 +46,7 @@ inline HoleRow behind(const HoleRow& row, std::size_t x) noexcept {
           row.disparity.subspan(x)};
 }
 inline HoleMasks behind(const HoleMasks& masks, std::size_t x) noexcept {
-  return {masks.hole.subspan(x / 64), masks.loose.subspan(x / 64)};
+  return {masks.hole.subspan(x / 64), masks.loose.subspan(x / 64), masks.guess.subspan(x / 64)};
 }
 
 }  // namespace stof::dsp

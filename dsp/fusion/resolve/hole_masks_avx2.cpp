@@ -19,16 +19,21 @@ __m256i is_tight(const QuarterMm* depth, const QuarterMm* width) noexcept {
 struct Bits {
   std::uint64_t hole;
   std::uint64_t loose;
+  std::uint64_t guess;
 };
 
 Bits mark(const HoleRow& row, std::size_t x) noexcept {
   const u8x32 source = load<u8x32>(&row.source[x]);
-  const u8x32 mixed = equals(load<u8x32>(&row.cause[x]), Cause::kMixedPixel);
+  const u8x32 cause = load<u8x32>(&row.cause[x]);
+  const u8x32 mixed = equals(cause, Cause::kMixedPixel);
+  const u8x32 beside = equals(cause, Cause::kStereoAmbiguous) | equals(cause, Cause::kOccluded);
+  const u8x32 resolved = equals(source, Source::kResolved);
   const u8x32 tight = narrowed(is_tight(&row.depth[x], &row.width[x]),
                                is_tight(&row.depth[x + 16], &row.width[x + 16]));
+  const u8x32 wide = equals(source, Source::kPmd) & ~tight;
   return {mask(equals(source, Source::kNone) | (equals(source, Source::kConflict) & mixed)),
-          mask((equals(source, Source::kPmd) & ~tight) |
-               (equals(source, Source::kResolved) & mixed & missing(&row.disparity[x])))};
+          mask(wide | (resolved & mixed & missing(&row.disparity[x]))),
+          mask(wide | (resolved & (mixed | beside)))};
 }
 
 }  // namespace
@@ -41,6 +46,7 @@ void hole_masks(const HoleRow& row, const HoleMasks& masks) noexcept {
     const Bits b = mark(row, x + kMaskLanes);
     store_word(a.hole, b.hole, &masks.hole[x / kMaskWord]);
     store_word(a.loose, b.loose, &masks.loose[x / kMaskWord]);
+    store_word(a.guess, b.guess, &masks.guess[x / kMaskWord]);
   }
   ref::hole_masks(behind(row, x), behind(masks, x));
 }

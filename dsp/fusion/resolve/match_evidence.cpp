@@ -20,11 +20,15 @@ constexpr int kEnoughOutside = 3;
 constexpr int kSupporters = 16;
 constexpr int kBeyondDoubt = 18;
 constexpr int kOutsideWeight = 9;
+constexpr int kMixedWeight = 4;
 constexpr int kRatioWeight = 12;
 constexpr int kLeastContrast = 7;  // a grey level for each pixel: noise
 constexpr int kBeyondWeight = 2;   // 16ths
 constexpr int kBeforeWeight = 8;
 
+constexpr int kKnownSteps = 4;         // to each side
+constexpr double kKnownAngle = 0.023;  // of a step
+constexpr float kKnownShare = 0.0625F;
 constexpr float kChanceShare = 8;         // of the range: agreement by chance is one in four
 constexpr float kAgreementShare = 0.05F;  // of the distance
 constexpr float kFoldedMargin = 0.01F;    // of the distance, of a match
@@ -59,6 +63,7 @@ MatchEvidence::MatchEvidence(const Calibration& calibration, std::int16_t infini
   if (lens.width > 0) {
     view_ = PmdView(calibration);
     around_ = is_fine(lens) ? 0 : 1;
+    known_step_ = std::max(static_cast<int>(std::lround(kKnownAngle * lens.fx)), 1);
   }
 }
 
@@ -88,6 +93,29 @@ MatchEvidence::Said MatchEvidence::ask(int column, int row, float distance,
   const bool differs = distance + half < static_cast<float>(low);
   return {.opinion = differs ? Opinion::kDiffers : Opinion::kAgrees,
           .hidden = distance - half > static_cast<float>(pmd_->high.row(row)[x])};
+}
+
+MatchEvidence::Known MatchEvidence::known_around(const PmdView::Place& place) const noexcept {
+  const float range = static_cast<float>(pmd_->range);
+  const float most = kKnownShare * place.distance;
+  const int reach = kKnownSteps * known_step_;
+  Known known;
+  for (int row = place.row - reach; row <= place.row + reach; row += known_step_) {
+    if (row < 0 || row >= pmd_->distance.height()) {
+      continue;
+    }
+    const std::span<const QuarterMm> readings = pmd_->distance.row(row);
+    for (int column = place.column - reach; column <= place.column + reach; column += known_step_) {
+      if (column < 0 || column >= pmd_->distance.width()) {
+        continue;
+      }
+      // None is a range nearer only where that is nothing.
+      const float apart = place.distance - static_cast<float>(readings[index(column)]);
+      known.there += std::abs(apart) < most ? 1 : 0;
+      known.nearer += std::abs(apart - range) < most && readings[index(column)] != kNoDepth ? 1 : 0;
+    }
+  }
+  return known;
 }
 
 template <typename Hear>
@@ -162,17 +190,18 @@ MatchEvidence::Support MatchEvidence::supporters(
   return support;
 }
 
-// For a match: each that supports it, and a constant; more where the PMD camera does not look, and
-// where its surface ends at an edge of the picture. Against it: pixels near it without a match, its
+// For a match: each that supports it, and a constant; `seen`, which is more where the PMD camera
+// does not look and less where its pixel is mixed; and where its surface ends at an edge of the
+// picture. Against it: pixels near it without a match, its
 // peak ratio, the logarithm of the contrast, and an edge behind it. The weights are those of a
 // regression (docs/DESIGN.md).
 bool MatchEvidence::is_beyond_doubt(const Match& match, const MatchedView& view,
-                                    const Support& support, bool outside) const noexcept {
+                                    const Support& support, int seen) const noexcept {
   const int supported = support.count * kSupporters / std::max(support.there, 1);
   const int change = view.picture.empty() ? 0 : contrast(view.picture, match.x, match.y);
   const int against =
       support.missing + match.ratio / kRatioWeight + (log2_q4(kLeastContrast + change) * 7) / 32;
-  const int balance = supported + (outside ? kOutsideWeight : 0) + kBeyondDoubt - against;
+  const int balance = supported + seen + kBeyondDoubt - against;
   constexpr int kMost = log2_q4(kFarthestBeyond);  // what edges can say
   if (balance > kMost * kBeyondWeight / 16 || balance <= -kMost * kBeforeWeight / 16) {
     return balance > 0;
@@ -192,7 +221,7 @@ MatchEvidence::Result MatchEvidence::judge(const Match& match,
   const float half = static_cast<float>(high - low) / 2;
   const PmdView::Place place = view_.of(match.x, match.y, depth);
   if (!place.seen()) {
-    const bool enough = around_ > 0 || is_beyond_doubt(match, view, support, true);
+    const bool enough = around_ > 0 || is_beyond_doubt(match, view, support, kOutsideWeight);
     return {enough ? Verdict::kKept : Verdict::kDoubtful, {}};
   }
   const Said own = ask(place.column, place.row, place.distance, half);
@@ -207,13 +236,23 @@ MatchEvidence::Result MatchEvidence::judge(const Match& match,
   if (known && !agrees) {
     return {Verdict::kContradicted, {}};
   }
+  const unsigned flags = pmd_->flags.row(place.row)[index(place.column)];
   const bool folded = own.folded && own.opinion == Opinion::kAgrees;
+  if (is_beyond_range(place)) {
+    const Known known_there = known_around(place);
+    if (folded ? known_there.nearer > known_there.there : known_there.there == 0) {
+      return {Verdict::kUnsupported, {}};
+    }
+  }
   const bool sure = folded || match.ratio < kSureRatio;
   if (!support.is_enough(sure ? kEnoughWhereSure : kEnoughSupport)) {
     return {Verdict::kUnsupported, {}};
   }
   if (!folded) {
-    const bool enough = around_ > 0 || is_beyond_doubt(match, view, support, false);
+    // Readings that nobody can tell the range of, and that are not folded, are of an edge.
+    const bool mixed = own.opinion == Opinion::kNone && (flags & kPmdWrapped) != 0;
+    const bool enough =
+        around_ > 0 || is_beyond_doubt(match, view, support, mixed ? -kMixedWeight : 0);
     return {enough ? Verdict::kKept : Verdict::kDoubtful, {}};
   }
   return {Verdict::kConfirmed,
@@ -233,6 +272,12 @@ MatchEvidence::Result MatchEvidence::judge_surface(int x, int y, QuarterMm depth
   };
   const Said own = ask(place.column, place.row, place.distance, half);
   if (own.folded && own.opinion == Opinion::kAgrees && around_ == 0) {
+    if (is_beyond_range(place)) {
+      const Known known = known_around(place);
+      if (known.nearer > known.there) {
+        return {Verdict::kContradicted, {}};
+      }
+    }
     return {Verdict::kConfirmed,
             reading_at(place.distance - own.off, 2 * own.sigma + kSurfaceMargin * place.distance,
                        z / place.distance)};

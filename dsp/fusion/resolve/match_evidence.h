@@ -51,6 +51,8 @@ class MatchEvidence {
 
   // Whether judge() may be called: there are PMD data.
   bool judges() const noexcept { return pmd_ != nullptr; }
+  // Whether PMD pixels mostly see one surface (is_fine()).
+  bool sees_finely() const noexcept { return around_ == 0; }
 
   // view: which holds the match.
   // Of the 16 matches 4 and 8 px around it, those within 3/4 px or a 24th of the parallax support a
@@ -66,15 +68,21 @@ class MatchEvidence {
   // with a folded reading that agrees; such a reading confirms it, but not that of a wide pixel
   // with kPmdEdge.
   // The margin of a reading that confirms it is a percent.
+  // Beyond the PMD's range a match of something that repeats may agree with a reading that is a
+  // range nearer. Readings of known wrap count around it tell (known_around() in the source): it is
+  // unsupported where more of them are a range nearer than there; without a folded reading, where
+  // none is there.
   // Beside a fine PMD camera a match that no reading confirms may be of what is near, beyond its
   // edge. It is doubtful where its support, with more of it the more the picture changes there, the
   // less distinct it is, and the more the picture says that it lies beyond an edge
-  // (beyond_edge()), is not enough (is_beyond_doubt() in the source).
+  // (beyond_edge()), is not enough (is_beyond_doubt() in the source). More is asked where the PMD's
+  // pixel has read something of unknown wrap count that is not folded: it is mixed.
   Result judge(const Match& match, const MatchedView& view) const noexcept;
 
   // Whether a surface at Z `depth`, quarter mm, may be what pixel (x, y) of the left view shows:
   //   kConfirmed     the folded reading there is one of it, within 2 sigma and a twentieth of the
-  //                  distance; the margin is 3 percent. Not of wide PMD pixels, which see several
+  //                  distance; the margin is 3 percent. Not of wide PMD pixels, which see several;
+  //                  beyond the PMD's range, kContradicted where readings around are a range nearer
   //   kAllowed       so is what is read there (or in one of 3x3, where PMD pixels are wide)
   //   kKept          nothing is read there, or too little to tell
   //   kContradicted  the PMD sees something else there, behind it or before it
@@ -91,6 +99,15 @@ class MatchEvidence {
     float sigma = 0;      // folded
   };
   Said ask(int column, int row, float distance, float half) const noexcept;
+  // Readings of known wrap count around a place, up to 5 degrees to each side: 9x9 of them.
+  struct Known {
+    int there = 0;   // within a sixteenth of its distance
+    int nearer = 0;  // likewise, a range nearer
+  };
+  Known known_around(const PmdView::Place& place) const noexcept;
+  bool is_beyond_range(const PmdView::Place& place) const noexcept {
+    return pmd_->range != 0 && place.distance > static_cast<float>(pmd_->range);
+  }
   // What place and those around it say, that are asked too.
   template <typename Hear>
   void ask_around(const PmdView::Place& place, float half, Hear hear) const noexcept;
@@ -101,7 +118,7 @@ class MatchEvidence {
     bool is_enough(int of_sixteen) const noexcept { return 16 * count >= of_sixteen * there; }
   };
   bool is_beyond_doubt(const Match& match, const MatchedView& view, const Support& support,
-                       bool outside) const noexcept;
+                       int seen) const noexcept;
   int most_of(const Match& match) const noexcept;
   Support supporters(const Match& match, ImageView<const Disparity> disparity) const noexcept;
   static Support inner_supporters(const Match& match, int most,
@@ -109,7 +126,8 @@ class MatchEvidence {
 
   PmdView view_;
   std::int16_t infinity_raw_ = 0;
-  int around_ = 0;  // PMD pixels to each side that are asked too
+  int around_ = 0;      // PMD pixels to each side that are asked too
+  int known_step_ = 1;  // PMD pixels between those of known_around()
   const PmdMaps* pmd_ = nullptr;
 };
 

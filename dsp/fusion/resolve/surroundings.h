@@ -21,8 +21,6 @@ inline constexpr int kJudgedStep = 12;             // 1/16 px
 // Matches around that are on the same side of what the PMD sees as an indistinct one, less those
 // that are not: more of 16 do not err together.
 inline constexpr int kOutvotes = 9;
-// Of the 16 matches around an edge of the PMD, nearer by kMaxGuess.
-inline constexpr int kNearerMatches = 3;
 // To either side of the PMD's depth at an edge, of that: what a pixel beside the surface is off by.
 inline constexpr int kEdgeShare = 32;
 // What a doubtful match may be instead is kMaxGuess away at most, and that is a quarter of its
@@ -61,25 +59,11 @@ class Surroundings : private FusedPixels {
     return true;
   }
 
-  // What the PMD alone says at its edges: nothing where something nearer lies beside it.
-  void judge_edges(const PixelSet& edges) const noexcept {
-    std::size_t end = 0;  // of what is judged together
-    int judged = 0;
-    bool nearer = false;
+  // What the PMD alone says at its edges may be of a pixel beside the surface.
+  void widen_edges(const PixelSet& edges) const noexcept {
     edges.each(out_.depth.size(), [&](std::size_t x) noexcept {
-      if (out_.source[x] != Source::kPmd) {
-        return;
-      }
-      const int depth = out_.depth[x];
-      if (x >= end || std::abs(depth - judged) * kEdgeShare > depth) {
-        end = x + kJudgedTogether;
-        judged = depth;
-        nearer = matches(x, {depth - kMaxGuess, kMaxQuarterMm}).before >= kNearerMatches;
-      }
-      if (nearer) {
-        drop(x, Source::kConflict, Cause::kMixedPixel);
-      } else {
-        widen(x, depth / kEdgeShare);
+      if (out_.source[x] == Source::kPmd) {
+        widen(x, out_.depth[x] / kEdgeShare);
       }
     });
   }

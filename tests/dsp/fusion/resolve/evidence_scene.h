@@ -36,12 +36,13 @@ class EvidenceScene {
       : evidence(rig(focal), 0),
         disparity_(kWidth * kHeight, Disparity::from_pixels(20)),
         picture_(kWidth * kHeight, 100),
-        images_(4, std::vector<QuarterMm>(kWidth * kHeight / kFour / kFour)),
+        images_(5, std::vector<QuarterMm>(kWidth * kHeight / kFour / kFour)),
         flags_(kWidth * kHeight / kFour / kFour) {
     maps.low = image(0);
     maps.high = image(1);
     maps.folded = image(2);
     maps.folded_sigma = image(3);
+    maps.distance = image(4);
     maps.flags = {flags_.data(), kWidth / kFour, kHeight / kFour};
     maps.range = kRange;
     evidence.look_at(&maps);
@@ -62,6 +63,8 @@ class EvidenceScene {
     std::ranges::fill(images_[2], folded);
     std::ranges::fill(images_[3], sigma);
   }
+  // Readings whose wrap counts are known, which nothing else is told of.
+  void know(QuarterMm distance) { std::ranges::fill(images_[4], distance); }
   void see(QuarterMm low, QuarterMm high) {
     std::ranges::fill(images_[0], low);
     std::ranges::fill(images_[1], high);

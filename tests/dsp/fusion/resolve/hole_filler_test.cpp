@@ -1,6 +1,7 @@
 #include "dsp/fusion/resolve/hole_filler.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <random>
 #include <vector>
 
@@ -23,8 +24,9 @@ constexpr QuarterMm kMaxRange = 64000;
 // published: between 2 m and 4.25 m.
 class Map {
  public:
-  explicit Map(int w = kWidth, int h = kHeight, QuarterMm wall = 12000)
-      : depth(w, h, w, wall),
+  explicit Map(int w = kWidth, int h = kHeight, QuarterMm wall = 12000, double focal = 150)
+      : scene(focal),
+        depth(w, h, w, wall),
         width(w, h, w, 200),
         source(w, h, w, Source::kBoth),
         cause(w, h, w, Cause::kNone),
@@ -184,6 +186,35 @@ TEST(HoleFiller, BesideAMuchNearerSurfaceNothingIsPublishedThoughAReadingSeesThe
   for (int x = 32; x < 40; ++x) {
     EXPECT_EQ(map.source_at(x, 24), Source::kResolved) << x;
   }
+}
+
+// A guess at (32, 24), 4 m, whose surroundings are 3 m away at these columns of row 24.
+Source guess_beside(std::initializer_list<int> columns, QuarterMm end, QuarterMm beside,
+                    double focal = 150, Source source = Source::kResolved) {
+  Map map(kWidth, kHeight, 16000, focal);
+  map.put(32, 24, 16000, 4000, source, source == Source::kPmd ? Cause::kNone : Cause::kOccluded);
+  map.put(38, 24, beside, 200, Source::kBoth);
+  for (const int x : columns) {
+    map.low.view().at(x, 24) = 9000;
+    map.high.view().at(x, 24) = end;
+  }
+  map.fill();
+  return map.source_at(32, 24);
+}
+
+TEST(HoleFiller, AGuessBesideReadingsThatAreNearerByAMetreIsDropped) {
+  EXPECT_EQ(guess_beside({36, 40}, 11999, 11999), Source::kConflict);
+  EXPECT_EQ(guess_beside({28, 24}, 11999, 11999), Source::kConflict);
+  EXPECT_EQ(guess_beside({36, 40}, 12000, 11999), Source::kResolved);  // not by a metre
+  EXPECT_EQ(guess_beside({36, 40}, 11999, 12000), Source::kResolved);
+  EXPECT_EQ(guess_beside({36}, 11999, 11999), Source::kResolved);
+  EXPECT_EQ(guess_beside({35, 37, 41}, 11999, 11999), Source::kResolved);  // not those asked
+  EXPECT_EQ(guess_beside({36, 40}, 11999, 11999, 150, Source::kPmd), Source::kConflict);
+  EXPECT_EQ(guess_beside({36, 40}, 11999, 11999, 150, Source::kBoth), Source::kBoth);
+}
+
+TEST(HoleFiller, WherePmdPixelsAreWideAGuessBesideThemStays) {
+  EXPECT_EQ(guess_beside({36, 40}, 11999, 11999, 70), Source::kResolved);
 }
 
 TEST(HoleFiller, AConflictOfSoundSensorsStaysOne) {

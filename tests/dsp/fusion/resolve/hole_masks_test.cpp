@@ -24,16 +24,17 @@ struct Pixel {
 struct Marked {
   bool hole = false;
   bool loose = false;
+  bool guess = false;
   friend bool operator==(const Marked&, const Marked&) = default;
 };
 
 Marked run(const Pixel& p) {
-  std::array<std::uint64_t, 2> words{7, 7};
+  std::array<std::uint64_t, 3> words{7, 7, 7};
   const auto word = [&](std::size_t k) { return std::span(words).subspan(k, 1); };
   best::hole_masks({{&p.depth, 1}, {&p.width, 1}, {&p.source, 1}, {&p.cause, 1}, {&p.disparity, 1}},
-                   {word(0), word(1)});
-  EXPECT_LE(words[0] | words[1], 1U);
-  return {words[0] != 0, words[1] != 0};
+                   {word(0), word(1), word(2)});
+  EXPECT_LE(words[0] | words[1] | words[2], 1U);
+  return {words[0] != 0, words[1] != 0, words[2] != 0};
 }
 
 TEST(HoleMasks, APixelWithoutDepthIsAHoleUnlessBothSensorsAreSound) {
@@ -45,18 +46,28 @@ TEST(HoleMasks, APixelWithoutDepthIsAHoleUnlessBothSensorsAreSound) {
 }
 
 TEST(HoleMasks, AWidePmdIntervalIsLoose) {
-  EXPECT_EQ(run({.source = Source::kPmd, .depth = 1249}), Marked{.loose = true});
+  EXPECT_EQ(run({.source = Source::kPmd, .depth = 1249}), (Marked{.loose = true, .guess = true}));
   EXPECT_EQ(run({.source = Source::kPmd, .depth = 1250}), Marked{});
   EXPECT_EQ(run({.source = Source::kBoth, .depth = 1249}), Marked{});
-  EXPECT_EQ(run({.source = Source::kPmd, .depth = 10, .width = 65534}), Marked{.loose = true});
+  EXPECT_EQ(run({.source = Source::kPmd, .depth = 10, .width = 65534}),
+            (Marked{.loose = true, .guess = true}));
 }
 
 TEST(HoleMasks, AGuessAtAnEdgeIsLooseWhereNoMatchIsBehindIt) {
   Pixel guess{.source = Source::kResolved, .cause = Cause::kMixedPixel};
-  EXPECT_EQ(run(guess), Marked{.loose = true});
+  EXPECT_EQ(run(guess), (Marked{.loose = true, .guess = true}));
   guess.disparity = kSome;
-  EXPECT_EQ(run(guess), Marked{});
-  EXPECT_EQ(run({.source = Source::kResolved, .cause = Cause::kOccluded}), Marked{});
+  EXPECT_EQ(run(guess), Marked{.guess = true});
+}
+
+TEST(HoleMasks, WhatIsResolvedBesideAnEdgeIsAGuess) {
+  for (const Cause cause : {Cause::kOccluded, Cause::kStereoAmbiguous}) {
+    EXPECT_EQ(run({.source = Source::kResolved, .cause = cause}), Marked{.guess = true});
+  }
+  for (const Cause cause : {Cause::kRangeAmbiguous, Cause::kInterpolated}) {
+    EXPECT_EQ(run({.source = Source::kResolved, .cause = cause}), Marked{});
+  }
+  EXPECT_EQ(run({.source = Source::kBoth, .cause = Cause::kOccluded}), Marked{});
 }
 
 HoleRow random_row(test::KernelCase& c) {
@@ -78,6 +89,7 @@ TEST(HoleMasks, EqualReferenceForEveryLength) {
                        const HoleRow row = random_row(c);
                        const std::size_t words = (c.length() + 63) / 64;
                        const HoleMasks masks{c.array<std::uint64_t>(words),
+                                             c.array<std::uint64_t>(words),
                                              c.array<std::uint64_t>(words)};
                        c.run([&] { best::hole_masks(row, masks); });
                      });

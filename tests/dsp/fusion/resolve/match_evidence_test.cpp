@@ -117,6 +117,48 @@ TEST(MatchEvidence, AFoldedReadingConfirmsWholeRangesAway) {
   EXPECT_EQ(scene.judge(200, 32, 24, {31000, 32000}).verdict, kContradicted);
 }
 
+TEST(MatchEvidence, WhatRepeatsAgreesWithAFoldedReadingARangeTooFar) {
+  constexpr DepthInterval kFar{34000, 36000};
+  Scene scene;
+  scene.read(35000 - kRange, 20);
+  scene.know(35000 - kRange);  // a wall that is seen all around
+  EXPECT_EQ(scene.judge(20, 32, 24, kFar).verdict, kUnsupported);
+  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 35000).verdict, kContradicted);
+  scene.know(35000);
+  EXPECT_EQ(scene.judge(20, 32, 24, kFar).verdict, kConfirmed);
+  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 35000).verdict, kConfirmed);
+  scene.know(20000);  // something else
+  EXPECT_EQ(scene.judge(20, 32, 24, kFar).verdict, kConfirmed);
+}
+
+TEST(MatchEvidence, BeyondOneRangeAMatchNeedsAReadingAroundThatLiesThere) {
+  constexpr DepthInterval kFar{34000, 36000};
+  Scene scene;
+  EXPECT_EQ(scene.judge(20, 32, 24, kFar).verdict, kUnsupported);
+  scene.know(32000);  // more than a sixteenth away
+  EXPECT_EQ(scene.judge(20, 32, 24, kFar).verdict, kUnsupported);
+  scene.know(34000);
+  EXPECT_EQ(scene.judge(20, 32, 24, kFar).verdict, kKept);
+  scene.know(0);
+  EXPECT_EQ(scene.judge(20, 32, 24, {28000, 29000}).verdict, kKept);  // not beyond it
+}
+
+TEST(MatchEvidence, AMixedReadingThatIsNotFoldedSpeaksAgainstAMatch) {
+  Scene scene;
+  scene.brighten(32, 50);
+  std::uint8_t ratio = 100;
+  while (scene.judge(ratio).verdict == kKept) {
+    ++ratio;
+  }
+  const std::uint8_t kept = ratio - 1;
+  EXPECT_EQ(scene.judge(kept).verdict, kKept);
+  for (int y = 0; y < scene.maps.flags.height(); ++y) {
+    std::ranges::fill(scene.maps.flags.row(y), std::uint8_t{kPmdWrapped});
+  }
+  EXPECT_EQ(scene.judge(kept).verdict, kDoubtful);
+  EXPECT_EQ(scene.judge(20).verdict, kKept);
+}
+
 TEST(MatchEvidence, AFoldedReadingOfAnotherSurfaceContradicts) {
   Scene scene;
   scene.read(9000, 20);
@@ -142,6 +184,7 @@ TEST(MatchEvidence, AFoldedReadingOfAWidePixelAtAnEdgeContradictsButConfirmsNoth
 TEST(MatchEvidence, AReadingThatWouldAgreeByChanceSaysNothing) {
   Scene scene;
   scene.maps.range = 10'000;  // 60 MHz
+  scene.know(12000);
   scene.read(2100, 20);
   EXPECT_EQ(scene.judge().verdict, kConfirmed);
   scene.read(2100, 600);  // 2 sigma to either side are a quarter of the range

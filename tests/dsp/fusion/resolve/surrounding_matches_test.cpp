@@ -77,15 +77,6 @@ TEST(AmbiguityResolver, NorAgainstThoseThatAllAreNearerByAMetre) {
   scene.row.expect(70, Source::kResolved, Cause::kStereoAmbiguous, 11200);
 }
 
-TEST(AmbiguityResolver, AnEdgeOfThePmdBesideSomethingNearTellsNoDepth) {
-  Surrounded scene(50);
-  scene.row.see(0, 100, 15900, 16100, kPmdEdge);
-  scene.row.resolve();
-  scene.row.expect(50, Source::kConflict, Cause::kMixedPixel, 0);
-  scene.row.resolve(1000, 0, 0, true);  // wide pixels are edges nearly everywhere
-  scene.row.expect(50, Source::kPmd, Cause::kNone, 16000);
-}
-
 TEST(AmbiguityResolver, AnEdgeOfThePmdHasAnIntervalForWhatLiesBesideTheSurface) {
   Surrounded scene(25);
   scene.row.see(0, 50, 15900, 16100, kPmdEdge);
