@@ -7,8 +7,8 @@
 
 #include "firmware/wire/crypto/crypto.h"
 #include "host/cli/sensor/find_sensor.h"
-#include "host/cli/serial_transport.h"
 #include "host/client/control/user_keys.h"
+#include "host/client/serial/serial_line.h"
 
 namespace stof::host {
 
@@ -29,7 +29,7 @@ std::unique_ptr<client::ControlTransport> open_way(const char* command, const st
     throw Failure(Exit::kBadInput,
                   std::string(command) + ": give a sensor, HOST[:PORT], or --serial");
   }
-  return sensor.empty() ? value_or_fail(open_serial_transport(serial, baud))
+  return sensor.empty() ? value_or_fail(client::open_serial_transport(serial, baud))
                         : value_or_fail(client::open_udp_transport(sensor_address(sensor)));
 }
 

@@ -14,11 +14,11 @@
 #include "host/cli/output.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/sensor/find_sensor.h"
-#include "host/cli/serial_transport.h"
 #include "host/cli/words.h"
 #include "host/client/control/known_sensors.h"
 #include "host/client/control/user_keys.h"
 #include "host/client/printable.h"
+#include "host/client/serial/serial_line.h"
 
 namespace stof::host {
 namespace {
@@ -313,7 +313,7 @@ void config(const ConfigOptions& options) {
     transport = value_or_fail(client::open_udp_transport(sensor_address(whole.sensor)));
   } else {
     judge_config_words(words);
-    transport = value_or_fail(open_serial_transport(options.serial, options.baud));
+    transport = value_or_fail(client::open_serial_transport(options.serial, options.baud));
   }
   const std::string text = config_over(std::move(transport), words, whole);
   say_text(text);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/failure.h"
+#include "host/cli/json_output.h"
 #include "host/cli/output.h"
 #include "host/cli/recording/damage_text.h"
 #include "host/cli/recording/reading_progress.h"
