@@ -121,6 +121,11 @@ HeapCalls heap_calls() noexcept;
 std::unique_ptr<hal::Store> make_store(std::string_view name);
 std::unique_ptr<hal::Store> make_secret_store(std::string_view name);
 
+// This program alone from now on, until it ends, keeps something in that file or partition; make:
+// makes the file. Waits a moment for one that is just ending. kWouldBlock: another one does. Other
+// errors: there is no lock to be had, nobody is kept out.
+Status hold_alone(std::string_view name, bool make);
+
 // A partition, or a file in its place. May allocate. Errors as hal::linux::FileDisk.
 Result<std::unique_ptr<hal::Disk>> make_disk(std::string_view name);
 

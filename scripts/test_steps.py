@@ -259,6 +259,7 @@ def image(log):
     if system_tools(log, "virt"):
         count.add(system_program(log, "tests/system/image_boot.py"))
         count.add(system_program(log, "tests/system/image_update.py"))
+        count.add(system_program(log, "tests/system/image_network.py"))
     else:
         count.add(Count(failed=1, notes=["the build failed"]))
     return count

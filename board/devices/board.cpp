@@ -1,6 +1,7 @@
 #include "board/board.h"
 
 #include <array>
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "hal/linux/libcamera/libcamera_stereo.h"
 #include "hal/linux/system/clock.h"
 #include "hal/linux/system/file_disk.h"
+#include "hal/linux/system/file_lock.h"
 #include "hal/linux/system/file_slots.h"
 #include "hal/linux/system/file_store.h"
 #include "hal/linux/system/heap_watch.h"
@@ -283,6 +285,10 @@ std::unique_ptr<hal::Store> make_store(std::string_view name) {
 
 std::unique_ptr<hal::Store> make_secret_store(std::string_view name) {
   return std::make_unique<linux::FileStore>(std::string(name), linux::FileStore::Readers::kOwner);
+}
+
+Status hold_alone(std::string_view name, bool make) {
+  return linux::hold_file(std::string(name), make, std::chrono::seconds(2));
 }
 
 Result<std::unique_ptr<hal::Disk>> make_disk(std::string_view name) {

@@ -1,5 +1,6 @@
 #include "board/board.h"
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -18,6 +19,7 @@
 #include "hal/emu/imagery/replay.h"
 #include "hal/linux/system/clock.h"
 #include "hal/linux/system/file_disk.h"
+#include "hal/linux/system/file_lock.h"
 #include "hal/linux/system/file_slots.h"
 #include "hal/linux/system/file_store.h"
 #include "hal/linux/system/local_orders.h"
@@ -257,6 +259,10 @@ std::unique_ptr<hal::Store> make_store(std::string_view name) {
 std::unique_ptr<hal::Store> make_secret_store(std::string_view name) {
   return std::make_unique<hal::linux::FileStore>(std::string(name),
                                                  hal::linux::FileStore::Readers::kOwner);
+}
+
+Status hold_alone(std::string_view name, bool make) {
+  return hal::linux::hold_file(std::string(name), make, std::chrono::seconds(2));
 }
 
 Result<std::unique_ptr<hal::Disk>> make_disk(std::string_view name) {

@@ -48,6 +48,11 @@ struct Lanes<std::uint8_t> {
   // Lane i holds what was in lane i - 1, or i + 1; a lane of the neighbouring vector ends the gap.
   static V one_up(V before, V v) noexcept { return vextq_u8(before, v, 15); }
   static V one_down(V v, V after) noexcept { return vextq_u8(v, after, 1); }
+  // From lane kFirst of `v` on, then lanes of `after`.
+  template <int kFirst>
+  static V joined(V v, V after) noexcept {
+    return vextq_u8(v, after, kFirst);
+  }
   static Lane smallest(V v) noexcept { return vminvq_u8(v); }
   static Lane largest(V v) noexcept { return vmaxvq_u8(v); }
   // The smallest lane in every lane. Other processors than ARM have one instruction for 16 bits.
@@ -82,6 +87,11 @@ struct Lanes<std::uint16_t> {
   static V select(V mask, V a, V b) noexcept { return vbslq_u16(mask, a, b); }
   static V one_up(V before, V v) noexcept { return vextq_u16(before, v, 7); }
   static V one_down(V v, V after) noexcept { return vextq_u16(v, after, 1); }
+  // From lane kFirst of `v` on, then lanes of `after`.
+  template <int kFirst>
+  static V joined(V v, V after) noexcept {
+    return vextq_u16(v, after, kFirst);
+  }
   static Lane smallest(V v) noexcept { return vminvq_u16(v); }
   static Lane largest(V v) noexcept { return vmaxvq_u16(v); }
   static V subtract_saturated(V a, V b) noexcept { return vqsubq_u16(a, b); }

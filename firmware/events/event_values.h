@@ -17,4 +17,10 @@ inline constexpr std::uint32_t kReleaseOnTrial = 1;
 inline constexpr std::uint32_t kReleaseConfirmed = 2;
 inline constexpr std::uint32_t kReleaseLeft = 3;
 
+// Of a change of the settings, `former`: what it is to the network, which is on trial until an
+// admin saves it.
+inline constexpr std::uint32_t kNotOfNetwork = 0;
+inline constexpr std::uint32_t kNetworkOnTrial = 1;
+inline constexpr std::uint32_t kNetworkTakenBack = 2;  // nobody saved it in time
+
 }  // namespace stof::firmware

@@ -34,11 +34,12 @@ enum class EventKind : std::uint8_t {
   kDark,    // the same, because its samples hold no light of its lamp
   kSupplying,  // component: edges have its frames again
   kStandsOn,   // value: Sensors that the last frames in a row stand on, other ones than before
-  kSettingsChanged,     // value: who, as of the condition; address
-  kPairing,             // value: kPairing..., below
-  kKeyMade,             // value: its id; role; address: whose
-  kKeyRenewed,          // the same
-  kKeyEnded,            // the same
+  kSettingsChanged,  // value: who, as of the condition; former: kNetwork...; address
+  kPairing,     // value: kPairing... of event_values.h; with digits role and address: what is asked
+                // for
+  kKeyMade,     // value: its id; role; address: whose
+  kKeyRenewed,  // the same
+  kKeyEnded,    // the same
   kLastKeyEnded,        // the same: the sensor is unpaired
   kCalibrationChanged,  // value: fingerprint of the new one; former: of the one before; address
   kStandby,             // value: 1: it begins, 0: it has ended

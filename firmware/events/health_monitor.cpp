@@ -90,6 +90,7 @@ void HealthMonitor::observe(const Event& event) noexcept {
       break;
     case EventKind::kSettingsChanged:
       begin(wire::Condition::kSettingsChanged, event.value, event.at);
+      entries_[index_of(wire::Condition::kSettingsChanged)].former = event.former;
       break;
     case EventKind::kKeyMade:
     case EventKind::kKeyRenewed:

@@ -28,7 +28,6 @@ struct ControlStatus {
   bool settings_unsaved = false;
   bool settings_fell_back = false;
   bool restart_needed = false;
-  std::uint32_t pairing = 0;  // kPairing... of event_values.h
   std::uint32_t release = 0;  // kRelease... of event_values.h
   std::uint32_t release_fingerprint = 0;
   bool keep_awake = false;  // frames shall prove something: no standby

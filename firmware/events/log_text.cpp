@@ -147,12 +147,20 @@ void write_change(const Event& event, settings::PagedWriter& out) noexcept {
     write_hexadecimal(event.former, 8, out);
     out << ", put there ";
   } else {
+    if (event.former == kNetworkTakenBack) {
+      out << "settings changed: network is as before, because nobody saved its change in time";
+      return;
+    }
     out << "settings changed ";
   }
   write_requester(event, out);
+  if (event.kind == EventKind::kSettingsChanged && event.former == kNetworkOnTrial) {
+    out << "; network is on trial";
+  }
 }
 
-void write_pairing(std::uint32_t state, settings::PagedWriter& out) noexcept {
+void write_pairing(const Event& event, settings::PagedWriter& out) noexcept {
+  const std::uint32_t state = event.value;
   if (state == kPairingClosed) {
     out << "pairing has ended without a key";
     return;
@@ -170,6 +178,8 @@ void write_pairing(std::uint32_t state, settings::PagedWriter& out) noexcept {
   for (int place = 0; place < 6; ++place, unit /= 10) {
     out << (place == 3 ? " " : "") << static_cast<char>('0' + state / unit % 10);
   }
+  out << ", role " << wire::role_text(event.role) << ", asked for ";
+  write_requester(event, out);
   out << ". Type them into stof pair; only if it accepts them hold the button for three seconds";
 }
 
@@ -252,7 +262,7 @@ void describe(const Event& event, settings::PagedWriter& out) noexcept {
       write_release(event, out);
       return;
     case EventKind::kPairing:
-      write_pairing(event.value, out);
+      write_pairing(event, out);
       return;
     case EventKind::kKeyMade:
     case EventKind::kKeyRenewed:

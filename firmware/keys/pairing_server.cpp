@@ -68,6 +68,28 @@ void PairingServer::tick(hal::Time now) noexcept {
   if (with_known_.phase != Phase::kNone && now >= with_known_.until) {
     end(with_known_);
   }
+  tell_state();
+}
+
+// Each state once. One that finds no room is told by the next tick.
+void PairingServer::tell_state() noexcept {
+  firmware::Event now{.kind = firmware::EventKind::kPairing};
+  if (const std::optional<std::uint32_t> told = digits()) {
+    now.value = firmware::kPairingTold + *told;
+    now.role = asked_role();
+    now.address = asked_from();
+  } else if (is_open()) {
+    now.value = firmware::kPairingOpen;
+  } else {
+    now.value = is_done() ? firmware::kPairingDone : firmware::kPairingClosed;
+  }
+  if (now.value == told_.value && now.role == told_.role && now.address == told_.address) {
+    return;
+  }
+  const bool over = told_.value == firmware::kPairingDone && now.value == firmware::kPairingClosed;
+  if (over || changes_ == nullptr || changes_->push(now)) {
+    told_ = now;
+  }
 }
 
 std::optional<std::uint32_t> PairingServer::digits() const noexcept {
@@ -82,11 +104,7 @@ PairAnswer PairingServer::serve(const PairRequest& request, PairingWay way, hal:
     return {.result = PairResult::kWrong};  // of a newer client
   }
   if (request.step == wire::PairStep::kBegin) {
-    const PairAnswer begun = begin(request, way, now);
-    if (begun.result == PairResult::kOk) {
-      attempt_of(request.method).from = from.address;
-    }
-    return begun;
+    return begin(request, way, now, from);
   }
   if (request.step == wire::PairStep::kOpen || request.step == wire::PairStep::kAccept) {
     return way == PairingWay::kCable ? serve_cable(request, now)
@@ -131,7 +149,7 @@ PairAnswer PairingServer::window() const noexcept {
     return {.result = open_until_ ? PairResult::kOk : PairResult::kClosed};
   }
   PairAnswer out{.result = PairResult::kWaiting, .key_id = with_digits_.said.key_id};
-  wire::put_u32(std::as_writable_bytes(std::span(out.value)).first<4>(), *told);
+  wire::put_offer({.digits = *told, .role = asked_role(), .from = asked_from()}, out.value);
   return out;
 }
 
@@ -165,8 +183,8 @@ std::optional<std::span<const std::byte>> PairingServer::known(
   return std::span<const std::byte>(key->former ? *key->former : key->secret);
 }
 
-PairAnswer PairingServer::begin(const PairRequest& request, PairingWay way,
-                                hal::Time now) noexcept {
+PairAnswer PairingServer::begin(const PairRequest& request, PairingWay way, hal::Time now,
+                                const hal::Peer& from) noexcept {
   if (!well_formed(request)) {
     return {.result = PairResult::kWrong};
   }
@@ -196,6 +214,7 @@ PairAnswer PairingServer::begin(const PairRequest& request, PairingWay way,
   end(attempt);
   attempt.phase = Phase::kBegun;
   attempt.number = random_number();
+  attempt.from = from.address;
   attempt.until = now + kKnownTime;
   attempt.commitment = commitment;
   attempt.said = {.sensor = sensor_,

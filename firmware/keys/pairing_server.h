@@ -50,7 +50,8 @@ class PairingServer {
   // Ends what is too old.
   void tick(hal::Time now) noexcept;
 
-  // Gets each key that comes of it; outlives it.
+  // Gets each key that comes of it, and, by tick(), how pairing at the sensor stands: the digits
+  // with the role and the address that they are for. Outlives it.
   void set_changes(firmware::ChangeRing* changes) noexcept { changes_ = changes; }
 
   // request_id and cookie are the caller's. from: none over the cable. May block for as long as
@@ -61,8 +62,12 @@ class PairingServer {
   bool is_open() const noexcept {
     return open_until_.has_value() && with_digits_.phase != Phase::kDone;
   }
-  // That the sensor tells, while somebody may accept them.
+  // That the sensor tells, while somebody may accept them, with asked_role() and asked_from().
   std::optional<std::uint32_t> digits() const noexcept;
+  // What whoever accepts the digits agrees to: the role that the key gets, and who asked for it (as
+  // in hal::Peer; all 0: over the cable). The role is among what the digits are made of.
+  wire::Role asked_role() const noexcept { return with_digits_.said.role; }
+  const std::array<std::uint8_t, 16>& asked_from() const noexcept { return with_digits_.from; }
   // A key came of the digits, in these two minutes.
   bool is_done() const noexcept { return with_digits_.phase == Phase::kDone; }
 
@@ -91,12 +96,14 @@ class PairingServer {
   bool may_begin(const wire::PairRequest& request, PairingWay way) const noexcept;
   // What both knew before; none: that cannot be.
   std::optional<std::span<const std::byte>> known(const wire::PairTranscript& said) const noexcept;
-  wire::PairAnswer begin(const wire::PairRequest& request, PairingWay way, hal::Time now) noexcept;
+  wire::PairAnswer begin(const wire::PairRequest& request, PairingWay way, hal::Time now,
+                         const hal::Peer& from) noexcept;
   wire::PairAnswer reveal(const wire::PairRequest& request, Attempt& attempt) noexcept;
   wire::PairAnswer confirm(const wire::PairRequest& request, Attempt& attempt,
                            hal::Time now) noexcept;
   wire::PairAnswer finish(Attempt& attempt) noexcept;
   void tell(const Attempt& attempt) noexcept;
+  void tell_state() noexcept;
   wire::PairAnswer fail(Attempt& attempt, wire::PairResult why) noexcept;
   static wire::PairAnswer answer(const Attempt& attempt, wire::PairResult result) noexcept;
   static void end(Attempt& attempt) noexcept;
@@ -111,6 +118,7 @@ class PairingServer {
   firmware::TokenBucket begins_{kMostBegins, kBeginRefill};
   KeyWriteLimiter writes_;
   firmware::ChangeRing* changes_ = nullptr;
+  firmware::Event told_{.kind = firmware::EventKind::kPairing};  // of how pairing stands, the last
 };
 
 }  // namespace stof::keys

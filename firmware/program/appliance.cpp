@@ -96,11 +96,6 @@ void Appliance::note_changes(const ControlStatus& control) noexcept {
              parts_.changes == nullptr ? std::nullopt : parts_.changes->pop()) {
     note(*change);
   }
-  const std::uint32_t before = std::exchange(pairing_, control.pairing);
-  const bool told = before == kPairingDone && pairing_ == kPairingClosed;
-  if (before != pairing_ && !told) {
-    note({.kind = EventKind::kPairing, .value = pairing_});
-  }
   if (std::exchange(release_, control.release) != release_ && release_ != kNoRelease) {
     note({.kind = EventKind::kRelease, .value = release_, .former = control.release_fingerprint});
   }

@@ -107,7 +107,6 @@ class Appliance {
   std::span<std::byte> images_;
   std::optional<Pipeline> pipeline_;
   std::optional<Loop> loop_;
-  std::uint32_t pairing_ = kPairingClosed;
   std::uint32_t release_ = kNoRelease;
   Standby standby_;
   bool receiving_ = false;               // there are receivers

@@ -36,6 +36,7 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
                         .store = parts.store,
                         .fixed = parts.fixed,
                         .changes = &parts.changes,
+                        .network = parts.network,
                         .fell_back = parts.saved.fell_back,
                         .dropped = parts.saved.dropped != settings::Dropped::kNot}),
       authenticator_(parts.keys),
@@ -113,10 +114,6 @@ void ControlServices::publish_status() noexcept {
   published_.calibration_dropped.store(static_cast<std::uint32_t>(installer_.dropped()),
                                        std::memory_order_relaxed);
   published_.paired.store(parts_.keys.pairing(), std::memory_order_relaxed);
-  const std::uint32_t over = parts_.pairing.is_done() ? kPairingDone : kPairingClosed;
-  const std::uint32_t open = parts_.pairing.is_open() ? kPairingOpen : over;
-  const std::optional<std::uint32_t> digits = parts_.pairing.digits();
-  published_.pairing.store(digits ? kPairingTold + *digits : open, std::memory_order_relaxed);
   // New settings and a new release are proven by frames.
   const bool proving = parts_.trial != nullptr && !parts_.trial->proven() &&
                        settings_server_.saved_in_force() != nullptr;
@@ -173,6 +170,7 @@ void ControlServices::watch_update(hal::Time now) noexcept {
 void ControlServices::tick(hal::Time now) noexcept {
   watch_pairing(now);
   watch_update(now);
+  settings_server_.tick(now);
   subscribers_.drop_ended_keys(parts_.keys.keys());
   uploads_.drop_ended_keys(parts_.keys.keys());
   publish_status();
@@ -211,6 +209,11 @@ bool ControlServices::accepts(const settings::Settings& settings,
                               settings::PagedWriter& why) noexcept {
   if (parts_.board.replay != nullptr) {
     why << "this is a replay: settings and calibration are those of the recording";
+    return false;
+  }
+  if (parts_.network == nullptr && settings.network != settings_server_.active().network) {
+    why << "network: the addresses of this machine are its administrator's; in the image of "
+           "scripts/image they are settings";
     return false;
   }
   const auto& line = settings.serial.device;
@@ -275,7 +278,6 @@ ControlStatus ControlServices::status(const SerialSender::Counters& made) const 
   const keys::Pairing paired = published_.paired.load(std::memory_order_relaxed);
   status.unpaired = paired == keys::Pairing::kUnpaired;
   status.keys_lost = paired == keys::Pairing::kLost;
-  status.pairing = published_.pairing.load(std::memory_order_relaxed);
   status.keep_awake = published_.keep_awake.load(std::memory_order_relaxed);
   status.release = published_.release.load(std::memory_order_acquire);
   status.release_fingerprint = published_.release_fingerprint.load(std::memory_order_relaxed);

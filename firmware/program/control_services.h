@@ -59,6 +59,7 @@ class ControlServices final : public settings::Limits,
     hal::Store* store;                     // of settings; nullptr: nothing is kept
     hal::Store* fixed;                     // SettingsStores::fixed
     hal::Store* installed;                 // calibration; nullptr: none can be
+    settings::NetworkTrial* network;       // begun; nullptr: the system's network is not ours
     update::Updater& updater;              // the control thread's own from now on
     const settings::StartSettings& saved;  // that the start found there
     settings::SettingsTrial* trial;        // of these and later ones; nullptr: nothing is kept
@@ -128,7 +129,6 @@ class ControlServices final : public settings::Limits,
     std::atomic<std::uint32_t> dropped = 0;
     std::atomic<std::uint32_t> calibration_dropped = 0;
     std::atomic<keys::Pairing> paired = keys::Pairing::kUnpaired;
-    std::atomic<std::uint32_t> pairing = kPairingClosed;
     std::atomic<std::uint32_t> release = kNoRelease;
     std::atomic<std::uint32_t> release_fingerprint = 0;
     std::atomic<bool> keep_awake = false;

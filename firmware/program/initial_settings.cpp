@@ -9,6 +9,7 @@
 
 #include "board/serial_lines.h"
 #include "firmware/events/event_printer.h"
+#include "firmware/settings/fields/document.h"
 #include "firmware/settings/text/as_text.h"
 #include "firmware/wire/keys/key_text.h"
 
@@ -91,8 +92,9 @@ std::string check_files(const Options& options) {
   };
   std::vector<Named> named;
   if (!options.settings.empty()) {
-    for (const char* const ending : {"", ".good", ".trial", ".limits", ".bad", ".new",
-                                     ".calibration", ".calibration.bad", ".calibration.new"}) {
+    for (const char* const ending :
+         {"", ".good", ".trial", ".limits", ".bad", ".new", ".calibration", ".calibration.bad",
+          ".calibration.new", ".lock"}) {
       named.push_back({"--settings", options.settings + ending});
     }
   }
@@ -103,12 +105,20 @@ std::string check_files(const Options& options) {
     named.push_back({"--label", options.label});
   }
   if (const std::string keys = keys_file(options); !keys.empty()) {
-    for (const char* const ending : {"", ".bad", ".new"}) {
+    for (const char* const ending : {"", ".bad", ".new", ".lock"}) {
       named.push_back({"--keys", keys + ending});
     }
   }
   if (!options.records.empty()) {
     named.push_back({"--records", options.records});
+  }
+  for (const std::string& file : {options.network, options.network_done}) {
+    if (!file.empty()) {
+      named.push_back({file == options.network ? "--network" : "--network-done", file});
+    }
+  }
+  if (!options.first_settings.empty()) {
+    named.push_back({"--first-settings", options.first_settings});
   }
   if (!options.port_file.empty()) {
     named.push_back({"--port-file", options.port_file});
@@ -119,6 +129,36 @@ std::string check_files(const Options& options) {
         return named[k].flag + ": " + named[k].file + " is a file of " + named[i].flag +
                ": name another";
       }
+    }
+  }
+  return {};
+}
+
+// Two programs that save in one place forget what the other one saved. The file beside it holds the
+// lock: the file itself is another one after each save. Empty, or who has it.
+std::string hold_files(const Options& options) {
+  namespace fs = std::filesystem;
+  struct Held {
+    std::string name;
+    std::string lock;
+    bool make;
+  };
+  std::vector<Held> all;
+  for (const std::string& name : {options.settings, keys_file(options)}) {
+    std::error_code unknown;
+    const fs::file_status status = fs::symlink_status(name, unknown);
+    // Of what is no regular file nothing is kept.
+    if (!name.empty() && (!fs::exists(status) || fs::is_regular_file(status))) {
+      all.push_back({.name = name, .lock = name + ".lock", .make = true});
+    }
+  }
+  if (!options.records.empty()) {
+    all.push_back({.name = options.records, .lock = options.records, .make = false});
+  }
+  for (const Held& held : all) {
+    if (board::hold_alone(held.lock, held.make) == Status::kWouldBlock) {
+      return held.name +
+             ": another stofd keeps its settings or keys there: end it, or name another";
     }
   }
   return {};
@@ -171,6 +211,45 @@ void open_records(records::RecordDisk& disk, InitialSettings& initial) {
   initial.damaged_keys = store(Document::kDamagedKeys);
 }
 
+// What became of them is said in a line; what is lost, by whoever reads it.
+void mend_records(records::RecordDisk& disk, const std::string& name) {
+  const bool mended = disk.mend() == Status::kOk;
+  if (disk.cut_off()) {
+    print_line(name +
+               ": it has become smaller: what is left of what is kept there is read, and nothing "
+               "saved, until it has its size again");
+  } else if (disk.moved()) {
+    print_line(name + ": its size has changed: what is kept there stays where it is");
+  }
+  if (!mended && !disk.cut_off()) {
+    print_line(name +
+               ": some of what is kept there is lost or cannot be read, or nothing be written: "
+               "write the card again");
+  }
+}
+
+// What was put on the card before the first start.
+void take_first_settings(const Options& options, const InitialSettings& initial) {
+  if (options.first_settings.empty()) {
+    return;
+  }
+  std::array<std::byte, settings::kMostDocumentBytes> bytes{};
+  const Result<std::optional<std::size_t>> read =
+      board::make_store(options.first_settings)->load(bytes);
+  if (!read) {
+    print_line(options.first_settings + ": cannot be read, or is longer than " +
+               std::to_string(bytes.size()) + " bytes: none of it is taken");
+  }
+  if (!read || !*read) {
+    return;
+  }
+  std::array<char, kLineBytes> space{};
+  settings::PagedWriter line(space);
+  settings::save_first(initial.stores(), settings::as_text(std::span(bytes).first(**read)),
+                       options.first_settings, line);
+  say(line);
+}
+
 // Empty, or which flag takes what.
 std::string open_stores(const Options& options, InitialSettings& initial) {
   if (options.records.empty()) {
@@ -181,16 +260,17 @@ std::string open_stores(const Options& options, InitialSettings& initial) {
     return "--records: takes the place of --settings and --keys: leave them out";
   }
   Result<std::unique_ptr<hal::Disk>> disk = board::make_disk(options.records);
-  if (!disk || (*disk)->bytes() < records::kRecordsBytes) {
-    return options.records + ": --records takes a partition of 12 MiB at least, or such a file";
+  std::string too_small =
+      options.records + ": --records takes a partition of 12 MiB at least, or such a file";
+  if (!disk) {
+    return too_small;
   }
   initial.disk = std::move(*disk);
   initial.records = std::make_unique<records::RecordDisk>(*initial.disk);
-  if (initial.records->mend() != Status::kOk) {
-    print_line(options.records +
-               ": some of what is kept there cannot be read, or nothing be written: write the card "
-               "again");
+  if (initial.disk->bytes() < records::kRecordsBytes && !initial.records->found()) {
+    return too_small;
   }
+  mend_records(*initial.records, options.records);
   open_records(*initial.records, initial);
   return {};
 }
@@ -214,18 +294,26 @@ bool names(const Options& options, std::string_view path) {
          options.assignments.end();
 }
 
-std::expected<InitialSettings, std::string> read_settings(const Options& options) {
+std::expected<InitialSettings, StartRefusal> read_settings(const Options& options) {
   if (std::string why = check_files(options); !why.empty()) {
-    return std::unexpected(std::move(why));
+    return std::unexpected(StartRefusal{.message = std::move(why)});
+  }
+  if (std::string why = hold_files(options); !why.empty()) {
+    return std::unexpected(StartRefusal{.message = std::move(why), .in_use = true});
+  }
+  if (options.network.empty() != options.network_done.empty()) {
+    return std::unexpected(
+        StartRefusal{.message = "--network and --network-done: one takes the other beside it"});
   }
   InitialSettings initial;
   if (!keys_file(options).empty() || !options.records.empty() || !options.label.empty()) {
     board::keep_memory_private();
   }
   if (std::string why = open_stores(options, initial); !why.empty()) {
-    return std::unexpected(std::move(why));
+    return std::unexpected(StartRefusal{.message = std::move(why)});
   }
   if (initial.store != nullptr) {
+    take_first_settings(options, initial);
     std::array<char, kLineBytes> space{};
     settings::PagedWriter line(space);
     initial.saved = settings::load_settings(initial.stores(), place_of(options), nullptr, line);
@@ -233,12 +321,12 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
   }
   auto label = read_label(options);
   if (!label) {
-    return std::unexpected(std::move(label.error()));
+    return std::unexpected(StartRefusal{.message = std::move(label.error())});
   }
   initial.label = *label;
   std::string notes;
   if (std::string why = activate(options, initial, notes); !why.empty()) {
-    return std::unexpected(std::move(why));
+    return std::unexpected(StartRefusal{.message = std::move(why)});
   }
   if (!notes.empty()) {
     print_line(notes);
@@ -265,6 +353,18 @@ InstalledCalibration read_installed(const Options& options, const InitialSetting
     installed.unreadable = true;
   }
   return installed;
+}
+
+void begin_network(const Options& options, InitialSettings& initial) {
+  if (options.network.empty()) {
+    return;
+  }
+  initial.network_wanted = board::make_store(options.network);
+  initial.network_done = board::make_store(options.network_done);
+  initial.network.emplace(*initial.network_wanted, *initial.network_done);
+  if (!initial.network->begin(initial.active.network)) {
+    print_line(options.network + ": cannot be written: no address is set");
+  }
 }
 
 void drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& initial) {

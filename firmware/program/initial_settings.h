@@ -11,6 +11,7 @@
 #include "firmware/program/options.h"
 #include "firmware/program/run_config.h"
 #include "firmware/records/record_disk.h"
+#include "firmware/settings/network_trial.h"
 #include "firmware/settings/saved_settings.h"
 #include "firmware/settings/settings.h"
 #include "hal/disk.h"
@@ -33,6 +34,10 @@ struct InitialSettings {
   std::unique_ptr<hal::Store> damaged_keys;
   // Beside the settings, NAME.calibration: the one that was put on the sensor.
   std::unique_ptr<hal::Store> calibration;
+  // Of --network and --network-done; empty: the network is not ours.
+  std::unique_ptr<hal::Store> network_wanted;
+  std::unique_ptr<hal::Store> network_done;
+  std::optional<settings::NetworkTrial> network;
   std::optional<keys::LabelCode> label;
   settings::StartSettings saved;
   settings::Settings active;
@@ -41,8 +46,13 @@ struct InitialSettings {
   settings::SettingsStores stores() const { return {*store, *good, *trial, fixed.get()}; }
 };
 
-// Opens the store where one is named. Error: one line, which flag takes what.
-std::expected<InitialSettings, std::string> read_settings(const Options& options);
+struct StartRefusal {
+  std::string message;  // one line
+  bool in_use = false;  // another program keeps something there; else which flag takes what
+};
+
+// Opens the store where one is named.
+std::expected<InitialSettings, StartRefusal> read_settings(const Options& options);
 
 // The keys that are kept there; says in a line what is wrong with them.
 void read_keys(const Options& options, keys::Keyring& ring);
@@ -53,6 +63,9 @@ InstalledCalibration read_installed(const Options& options, const InitialSetting
 // Settings that were saved for another rig must not keep a sensor out of reach, not even together
 // with a command line: others hold. What is wrong then is the command line.
 void drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& initial);
+
+// Hands network.* to whoever sets the addresses, where there is somebody.
+void begin_network(const Options& options, InitialSettings& initial);
 
 // The command line names this setting: it is not what was saved.
 bool names(const Options& options, std::string_view path);

@@ -87,7 +87,8 @@ int help() {
   std::printf(
       "stofd: triggers the cameras, computes depth, sends it. One program, one board: "
       "%s.\n\n%.*s\nBoard %s:\n%.*s\n"
-      "Exit codes: 0 stopped as asked, 1 a device failed at start, 2 bad input, 3 and 4 the board "
+      "Exit codes: 0 stopped as asked, 1 a device failed at start, or another stofd has its files, "
+      "2 bad input, 3 and 4 the board "
       "shall restart, with 4 once from the other slot; nothing that was saved ends it.\n",
       board::kConfig.name, static_cast<int>(flags.size()), flags.data(), board::kConfig.name,
       static_cast<int>(board::usage().size()), board::usage().data());
@@ -213,7 +214,7 @@ void run_rounds(Appliance& appliance, WatchdogFeeder& watchdog, const Options& o
 
 // Ends with the loop; the control thread before it. Returns the exit code.
 int run_loop(board::Board& board, const Options& options, RigInfo& rig, const board::Config& config,
-             const RunConfig& run_config, const InitialSettings& start, update::Updater& updater,
+             const RunConfig& run_config, InitialSettings& start, update::Updater& updater,
              posix::WorkerThreads& workers) {
   std::optional<settings::SettingsTrial> trial;
   if (start.store != nullptr) {
@@ -241,6 +242,7 @@ int run_loop(board::Board& board, const Options& options, RigInfo& rig, const bo
                                          .store = start.store.get(),
                                          .fixed = start.fixed.get(),
                                          .installed = start.calibration.get(),
+                                         .network = start.network ? &*start.network : nullptr,
                                          .updater = updater,
                                          .saved = start.saved,
                                          .trial = trial ? &*trial : nullptr,
@@ -324,6 +326,7 @@ int run(board::Board& board, const Options& options, InitialSettings start,
     print_line(note);
   }
   drop_unusable(*rig, options, start);
+  begin_network(options, start);
   // What the sensor runs with: --port, or a port that is taken, may have made it another one.
   start.active.udp_port = board.port.port();
   say_refusal(board::lock_memory());
@@ -396,7 +399,7 @@ int start_and_run(std::span<const std::string_view> arguments) {
   watch_signals();
   auto start = read_settings(*options);
   if (!start) {
-    return refuse(start.error());
+    return refuse(start.error().message, start.error().in_use ? kExitFailure : kExitBadInput);
   }
   const settings::Settings& active = start->active;
   const auto board =

@@ -127,9 +127,9 @@ std::string take_word(std::string_view flag, std::string_view text, std::string_
                                             std::string(other) + ", not \"" + to + "\"";
 }
 
-// Of updates. false: not one of them.
-bool take_update_value(std::string_view flag, std::string_view value, Options& options,
-                       std::string& wrong) {
+// Of a board that is an appliance: updates and addresses. false: not one of them.
+bool take_appliance_value(std::string_view flag, std::string_view value, Options& options,
+                          std::string& wrong) {
   if (flag == "--slots") {
     wrong = take_text(flag, value, options.slots);
   } else if (flag == "--slot") {
@@ -140,6 +140,12 @@ bool take_update_value(std::string_view flag, std::string_view value, Options& o
     wrong = take_word(flag, value, "usual", "trial", options.restart);
   } else if (flag == "--update-keys") {
     wrong = take_text(flag, value, options.update_keys);
+  } else if (flag == "--first-settings") {
+    wrong = take_text(flag, value, options.first_settings);
+  } else if (flag == "--network") {
+    wrong = take_text(flag, value, options.network);
+  } else if (flag == "--network-done") {
+    wrong = take_text(flag, value, options.network_done);
   } else {
     return false;
   }
@@ -181,7 +187,7 @@ bool take_value(std::string_view flag, std::string_view value, Options& options,
   } else if (flag == "--set") {
     wrong = take_setting(value, options);
   } else {
-    return take_update_value(flag, value, options, wrong);
+    return take_appliance_value(flag, value, options, wrong);
   }
   return true;
 }
@@ -304,6 +310,9 @@ std::string options_usage() {
       "  --which-slot WHICH   print the slot of --slots that a start takes, usual or trial, and "
       "end\n"
       "  --restart WHICH      restart the board, usual, or trial: once with the other slot\n"
+      "  --first-settings FILE  are saved where none ever were\n"
+      "  --network FILE       gets the settings network.*, for a program that may set addresses\n"
+      "  --network-done FILE  where that program leaves what it has carried out\n"
       "  --set PATH=VALUE     any setting, such as streams.depth=raw; docs/SETTINGS.md has them "
       "all\n"
       "  --schema             print the JSON Schema of the settings\n"

@@ -27,9 +27,12 @@ struct Options {
   std::uint64_t frames = 0;     // stop after so many; 0: never
   std::string calibration;      // file; empty: the board's own
   std::string settings;         // file; empty: nothing is kept
+  std::string first_settings;   // file, for a sensor that never saved any; empty: none
   std::string keys;             // file; empty: SETTINGS.keys, or without settings nothing is kept
   std::string records;          // partition with records in place of those files; empty: none
   std::string label;            // file with the label's code; empty: there is none
+  std::string network;          // file that gets network.*; empty: the network is not ours
+  std::string network_done;     // and gets the same when they are carried out
   std::string to;               // HOST:PORT that gets packets without asking; empty: none
   std::string slots;            // common name of the disk's partitions; empty: no updates
   std::string slot = "a";       // that this start came from

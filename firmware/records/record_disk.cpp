@@ -1,106 +1,153 @@
 #include "firmware/records/record_disk.h"
 
 #include <algorithm>
-#include <string_view>
 
-#include "firmware/wire/bytes.h"
 #include "firmware/wire/crc32c.h"
 
 namespace stof::records {
 namespace {
 
-constexpr std::string_view kMagic{"STOFDOC\0", 8};
-constexpr std::uint16_t kVersion = 1;
-constexpr std::size_t kHeadUsed = 32;
-constexpr std::uint32_t kAbsent = 1;
 constexpr std::size_t kPart = 4096;  // copied at once
-
-// Where each document begins in its area; the last one is the end.
-constexpr std::array<std::size_t, kDocuments + 1> kPlaces = [] {
-  constexpr std::size_t kSmall = std::size_t{64} << 10;
-  constexpr std::size_t kLarge = std::size_t{1536} << 10;
-  constexpr std::array<std::size_t, kDocuments> kSizes{kSmall, kSmall, kSmall, kSmall, kSmall,
-                                                       kSmall, kSmall, kLarge, kLarge};
-  std::array<std::size_t, kDocuments + 1> places{};
-  for (std::size_t i = 0; i < kDocuments; ++i) {
-    places[i + 1] = places[i] + kSizes[i];
-  }
-  return places;
-}();
-static_assert(kPlaces.back() <= kEraseBlockBytes);
-
-constexpr std::size_t number(Document document) noexcept {
-  return static_cast<std::size_t>(document);
-}
-
-using Head = std::array<std::byte, kHeadBytes>;
 
 Status first_of(Status a, Status b) noexcept { return a == Status::kOk ? b : a; }
 
 }  // namespace
 
-std::size_t most_bytes(Document document) noexcept {
-  return kPlaces[number(document) + 1] - kPlaces[number(document)] - kHeadBytes;
+RecordDisk::RecordDisk(hal::Disk& disk) noexcept : disk_(disk), areas_(find_areas(disk)) {
+  read_directories();
 }
 
-std::size_t RecordDisk::place_of(std::size_t area, Document document) const noexcept {
-  return areas_[area] + kPlaces[number(document)];
+bool RecordDisk::cut_off() const noexcept {
+  return std::ranges::any_of(areas_.at, [this](std::size_t area) {
+    return area > disk_.bytes() || disk_.bytes() - area < kDirectoryPlace + kHeadBytes;
+  });
 }
 
+void RecordDisk::read_directories() noexcept {
+  bool damaged = true;
+  for (std::size_t area = 0; area < kAreas; ++area) {
+    Sector sector;
+    const bool read = disk_.read(areas_.at[area] + kDirectoryPlace, sector) == Status::kOk;
+    const auto directory = read ? read_directory(sector) : std::nullopt;
+    if (directory && directory->area == area) {
+      directories_[area] = directory;
+      std::ranges::transform(newest_, directory->newest, newest_.begin(),
+                             [](std::uint32_t a, std::uint32_t b) { return std::max(a, b); });
+    }
+    damaged = damaged && !(read && is_blank(sector));
+  }
+  if (directories_[0] || directories_[1]) {
+    return;
+  }
+  // A power cut takes one of them at most, and records are listed only once there are both.
+  for (std::size_t i = 0; i < kDocuments && !damaged; ++i) {
+    const auto document = static_cast<Document>(i);
+    damaged = look(0, document).listed || look(1, document).listed;
+  }
+  if (damaged) {  // nobody knows what there was: all of this that is not there is lost
+    for (const Document document :
+         {Document::kSettings, Document::kLimits, Document::kKeys, Document::kCalibration}) {
+      newest_[number(document)] = 1;
+    }
+  }
+}
+
+// As it stands there, whatever the directories say.
 RecordDisk::Record RecordDisk::look(std::size_t area, Document document) noexcept {
-  Record record{.found = Found::kDamaged};
-  Head head;
-  if (disk_.read(place_of(area, document), head) != Status::kOk) {
-    return record;
+  constexpr Record kDamagedOne{.found = Found::kDamaged};
+  Sector sector;
+  if (disk_.read(place_of(area, document), sector) != Status::kOk) {
+    return kDamagedOne;
   }
-  // Of a disk that is new or erased.
-  const auto is_all = [&head](std::byte value) {
-    return std::ranges::all_of(head, [value](std::byte byte) { return byte == value; });
-  };
-  if (is_all(std::byte{0}) || is_all(std::byte{0xFF})) {
-    record.found = Found::kNothing;
-    return record;
+  if (is_blank(sector)) {
+    return {};
   }
-  const std::span<const std::byte, kHeadUsed> used = std::span(head).first<kHeadUsed>();
-  const bool ours = std::ranges::equal(used.first<8>(), std::as_bytes(std::span(kMagic))) &&
-                    wire::get_u16(used.subspan<8, 2>()) == kVersion &&
-                    wire::get_u16(used.subspan<10, 2>()) == number(document) &&
-                    wire::crc32c(used.first<kHeadUsed - 4>()) == wire::get_u32(used.last<4>());
-  record.generation = wire::get_u32(used.subspan<12, 4>());
-  record.bytes = wire::get_u32(used.subspan<16, 4>());
-  record.absent = (wire::get_u32(used.subspan<24, 4>()) & kAbsent) != 0;
-  if (!ours || record.bytes > most_bytes(document)) {
-    return {.found = Found::kDamaged};
+  const auto head = read_head(std::span(sector).first<kHeadUsed>());
+  if (!head || head->document != document) {
+    return kDamagedOne;
   }
   std::uint32_t crc = 0;
   std::array<std::byte, kPart> part;
-  for (std::size_t at = 0; at < record.bytes; at += kPart) {
-    const std::span<std::byte> to = std::span(part).first(std::min(kPart, record.bytes - at));
+  for (std::size_t at = 0; at < head->bytes; at += kPart) {
+    const std::span<std::byte> to = std::span(part).first(std::min(kPart, head->bytes - at));
     if (disk_.read(place_of(area, document) + kHeadBytes + at, to) != Status::kOk) {
-      return {.found = Found::kDamaged};
+      return kDamagedOne;
     }
     crc = wire::crc32c(to, crc);
   }
-  if (crc != wire::get_u32(used.subspan<20, 4>())) {
-    return {.found = Found::kDamaged};
+  if (crc != head->crc) {
+    return kDamagedOne;
   }
-  record.found = Found::kWhole;
-  return record;
+  return {.found = Found::kWhole,
+          .generation = head->generation,
+          .bytes = head->bytes,
+          .absent = head->absent,
+          .listed = head->listed};
+}
+
+// One that is older than the directories list is an older copy that somebody put back. The first
+// area is written first: a save that was cut there leaves the second one older by one, with its own
+// directory.
+RecordDisk::Pair RecordDisk::look(Document document) noexcept {
+  const std::size_t i = number(document);
+  Pair found{look(0, document), look(1, document)};
+  const std::optional<Directory>& second = directories_[1];
+  const std::uint32_t one_less = newest_[i] - (newest_[i] > 0 ? 1 : 0);
+  const std::array<std::uint32_t, kAreas> least{
+      newest_[i], second ? std::max(second->newest[i], one_less) : newest_[i]};
+  for (std::size_t area = 0; area < kAreas; ++area) {
+    if (found[area].whole() && found[area].generation < least[area]) {
+      found[area].found = Found::kDamaged;
+    }
+  }
+  return found;
+}
+
+RecordDisk::All RecordDisk::look_at_all() noexcept {
+  All all;
+  for (std::size_t i = 0; i < kDocuments; ++i) {
+    all[i] = look(static_cast<Document>(i));
+  }
+  return all;
+}
+
+// One that is damaged beside one that was never written: the first save was cut.
+bool RecordDisk::is_lost(Document document, const Pair& found) const noexcept {
+  return !found[0].whole() && !found[1].whole() &&
+         (newest_[number(document)] > 0 ||
+          (found[0].found == Found::kDamaged && found[1].found == Found::kDamaged));
 }
 
 Status RecordDisk::write_head(std::size_t area, Document document, const Record& record,
                               std::uint32_t crc) noexcept {
-  Head head{};
-  const std::span<std::byte, kHeadUsed> used = std::span(head).first<kHeadUsed>();
-  std::ranges::copy(std::as_bytes(std::span(kMagic)), used.begin());
-  wire::put_u16(used.subspan<8, 2>(), kVersion);
-  wire::put_u16(used.subspan<10, 2>(), static_cast<std::uint16_t>(number(document)));
-  wire::put_u32(used.subspan<12, 4>(), record.generation);
-  wire::put_u32(used.subspan<16, 4>(), record.bytes);
-  wire::put_u32(used.subspan<20, 4>(), crc);
-  wire::put_u32(used.subspan<24, 4>(), record.absent ? kAbsent : 0);
-  wire::put_u32(used.last<4>(), wire::crc32c(used.first<kHeadUsed - 4>()));
-  return first_of(disk_.write(place_of(area, document), head), disk_.flush());
+  const Sector sector = records::write_head({.document = document,
+                                             .generation = record.generation,
+                                             .bytes = record.bytes,
+                                             .crc = crc,
+                                             .absent = record.absent,
+                                             .listed = true});
+  return first_of(disk_.write(place_of(area, document), sector), disk_.flush());
+}
+
+Status RecordDisk::write_directory(std::size_t area) noexcept {
+  const std::optional<Directory>& now = directories_[area];
+  const std::optional<Directory>& other = directories_[1 - area];
+  // Both have one generation where they say the same.
+  const std::uint32_t generation =
+      other && other->newest == newest_
+          ? other->generation
+          : std::max(now ? now->generation : 0, other ? other->generation : 0) + 1;
+  const Directory next{
+      .area = static_cast<std::uint16_t>(area), .generation = generation, .newest = newest_};
+  const Status status =
+      first_of(disk_.write(areas_.at[area] + kDirectoryPlace, records::write_directory(next)),
+               disk_.flush());
+  if (status == Status::kOk) {
+    directories_[area] = next;
+  } else {
+    directories_[area].reset();  // what is there now is not known
+  }
+  return status;
 }
 
 // The order in which head and bytes come to the medium is of no account: the sum is that of both.
@@ -138,34 +185,63 @@ Status RecordDisk::copy(std::size_t from, std::size_t to, Document document, Doc
   return write_head(to, as, record, crc);
 }
 
-Status RecordDisk::mend() noexcept {
+bool RecordDisk::is_even(const All& found) const noexcept {
+  return std::ranges::all_of(directories_,
+                             [this](const std::optional<Directory>& directory) {
+                               return directory && directory->newest == newest_;
+                             }) &&
+         std::ranges::none_of(found, [](const Pair& pair) {
+           return pair[0].newer_than(pair[1]) || pair[1].newer_than(pair[0]);
+         });
+}
+
+// The directory first: until it is there, no record is listed.
+Status RecordDisk::mend(std::size_t area, All& found) noexcept {
+  if (!directories_[area] || directories_[area]->newest != newest_) {
+    if (const Status status = write_directory(area); status != Status::kOk) {
+      return status;
+    }
+  }
   Status worst = Status::kOk;
   for (std::size_t i = 0; i < kDocuments; ++i) {
-    const auto document = static_cast<Document>(i);
-    const std::array<Record, kAreas> found = look(document);
-    for (std::size_t area = 0; area < kAreas; ++area) {
-      const Record& best = found[1 - area];
-      if (best.newer_than(found[area])) {
-        worst = first_of(worst, copy(1 - area, area, document, document, best.generation));
-      }
+    const Record best = found[i][1 - area];
+    if (best.newer_than(found[i][area])) {
+      const auto document = static_cast<Document>(i);
+      const Status status = copy(1 - area, area, document, document, best.generation);
+      found[i][area] = status == Status::kOk ? best : Record{.found = Found::kDamaged};
+      worst = first_of(worst, status);
     }
-    const bool lost = !found[0].whole() && !found[1].whole() && found[0].found == Found::kDamaged &&
-                      found[1].found == Found::kDamaged;
+  }
+  return worst;
+}
+
+Status RecordDisk::mend() noexcept {
+  All found = look_at_all();
+  for (std::size_t i = 0; i < kDocuments; ++i) {
+    for (const Record& record : found[i]) {
+      newest_[i] = std::max(newest_[i], record.whole() ? record.generation : 0);
+    }
+  }
+  Status worst = Status::kOk;
+  for (std::size_t area = 0; area < kAreas; ++area) {
+    worst = first_of(worst, mend(area, found));
+  }
+  uneven_ = !is_even(found);
+  for (std::size_t i = 0; i < kDocuments; ++i) {
+    const bool lost = is_lost(static_cast<Document>(i), found[i]);
     worst = lost ? first_of(worst, Status::kDeviceError) : worst;
   }
-  uneven_ = worst != Status::kOk;
-  return worst;
+  return worst == Status::kOk ? worst : Status::kDeviceError;
 }
 
 Result<std::optional<std::size_t>> RecordDisk::load(Document document,
                                                     std::span<std::byte> space) noexcept {
-  const std::array<Record, kAreas> found = look(document);
+  const Pair found = look(document);
   const std::size_t area = found[1].newer_than(found[0]) ? 1 : 0;
   const Record& best = found[area];
   if (!best.whole()) {
-    // One that is damaged beside one that was never written: the first save was cut.
-    const bool lost = found[0].found == Found::kDamaged && found[1].found == Found::kDamaged;
-    return lost ? Result<std::optional<std::size_t>>(fail(Status::kDeviceError)) : std::nullopt;
+    return is_lost(document, found) ? Result<std::optional<std::size_t>>(fail(Status::kDeviceError))
+                                    : std::nullopt;
   }
   if (best.absent) {
     return std::nullopt;
@@ -182,21 +258,13 @@ Status RecordDisk::save(Document document, std::span<const std::byte> bytes) noe
   return put(document, bytes, false);
 }
 
-// A document that cannot be read in either area is no reason to take no other one: what matters is
-// that each document stands in the area that is not written.
+// A document that is lost is no reason to take no other one: what matters is that each document
+// stands in the area that is not written.
 Status RecordDisk::mend_before_writing() noexcept {
-  if (!uneven_) {
-    return Status::kOk;
+  if (uneven_) {
+    static_cast<void>(mend());
   }
-  static_cast<void>(mend());
-  for (std::size_t i = 0; i < kDocuments; ++i) {
-    const std::array<Record, kAreas> found = look(static_cast<Document>(i));
-    if (found[0].newer_than(found[1]) || found[1].newer_than(found[0])) {
-      return Status::kDeviceError;
-    }
-  }
-  uneven_ = false;
-  return Status::kOk;
+  return uneven_ ? Status::kDeviceError : Status::kOk;
 }
 
 Status RecordDisk::put(Document document, std::span<const std::byte> bytes, bool absent) noexcept {
@@ -206,17 +274,19 @@ Status RecordDisk::put(Document document, std::span<const std::byte> bytes, bool
   if (const Status status = mend_before_writing(); status != Status::kOk) {
     return status;
   }
-  const std::array<Record, kAreas> found = look(document);
+  std::uint32_t& newest = newest_[number(document)];
   const Record next{.found = Found::kWhole,
-                    .generation = std::max(found[0].generation, found[1].generation) + 1,
+                    .generation = newest + 1,
                     .bytes = static_cast<std::uint32_t>(bytes.size()),
                     .absent = absent};
   uneven_ = true;
   if (const Status status = write(0, document, next, bytes); status != Status::kOk) {
     return status;
   }
-  // From here on it is saved: where the second area takes nothing, the next save says so.
-  uneven_ = write(1, document, next, bytes) != Status::kOk;
+  // From here on it is saved: where the medium takes no more, the next save says so.
+  newest = next.generation;
+  uneven_ = write_directory(0) != Status::kOk || write(1, document, next, bytes) != Status::kOk ||
+            write_directory(1) != Status::kOk;
   return Status::kOk;
 }
 
@@ -224,13 +294,16 @@ Status RecordDisk::set_aside(Document document, std::optional<Document> aside) n
   if (const Status status = mend_before_writing(); status != Status::kOk) {
     return status;
   }
-  const Record now = look(0, document);
+  const Record now = look(document)[0];
   if (aside && now.whole() && !now.absent) {
-    const std::array<Record, kAreas> there = look(*aside);
-    const std::uint32_t next = std::max(there[0].generation, there[1].generation) + 1;
+    const std::uint32_t next = newest_[number(*aside)] + 1;
     uneven_ = true;
     for (std::size_t area = 0; area < kAreas; ++area) {
       if (const Status status = copy(area, area, document, *aside, next); status != Status::kOk) {
+        return status;
+      }
+      newest_[number(*aside)] = next;
+      if (const Status status = write_directory(area); status != Status::kOk) {
         return status;
       }
     }

@@ -6,50 +6,36 @@
 #include <optional>
 #include <span>
 
+#include "firmware/records/area_search.h"
+#include "firmware/records/layout.h"
 #include "hal/disk.h"
 #include "hal/store.h"
 
 // Documents that outlive a power cut, on a partition without a file system. The bytes: README.md.
 namespace stof::records {
 
-// Which document. Each has a place of its own in both areas; the numbers are on the medium.
-enum class Document : std::uint8_t {
-  kSettings,
-  kGoodSettings,
-  kTrial,
-  kLimits,
-  kDamagedSettings,
-  kKeys,
-  kDamagedKeys,
-  kCalibration,
-  kDamagedCalibration,
-};
-inline constexpr std::size_t kDocuments = 9;
-
-inline constexpr std::size_t kHeadBytes = 512;
-// An erase block of a card, at most: what a write that power cuts may take with it.
-inline constexpr std::size_t kEraseBlockBytes = std::size_t{4} << 20;
-// At the end of the disk: the first area, as much that is left alone, the second area.
-inline constexpr std::size_t kRecordsBytes = 3 * kEraseBlockBytes;
-
-// Most bytes of a document.
-std::size_t most_bytes(Document document) noexcept;
-
-// Two areas, each with a record of every document. At most one of them is written at a time, and
-// only while the other one is whole: whatever a power cut does to the one that was written, all of
-// its erase block, the other one has the old or the new document, and the others as they are. What
-// was lost is written anew by mend(). For one thread; no heap.
+// Two areas, each with a record of every document and a directory of both. At most one of them is
+// written at a time, and only while the other one is whole: whatever a power cut does to the one
+// that was written, all of its erase block, the other one has the old or the new document, and the
+// others as they are. What was lost is written anew by mend(). What a directory lists and no area
+// has is lost, and not missing. For one thread; no heap.
 class RecordDisk {
  public:
-  // The disk outlives it and has kRecordsBytes at least, and whole erase blocks.
-  explicit RecordDisk(hal::Disk& disk) noexcept
-      : disk_(disk), areas_{disk.bytes() - kRecordsBytes, disk.bytes() - kEraseBlockBytes} {}
+  // The disk outlives it. Reads where the areas are.
+  explicit RecordDisk(hal::Disk& disk) noexcept;
 
-  // Both areas get what the other one has newer, or alone; at the start. kDeviceError: the medium
-  // takes no writes, or cannot be read in both areas; what can be read stays.
+  // Something is kept there.
+  bool found() const noexcept { return areas_.found; }
+  // The disk has become larger: the areas stay where they are.
+  bool moved() const noexcept { return areas_.moved; }
+  // Not all of both areas lies within the disk, it has become smaller: nothing can be saved.
+  bool cut_off() const noexcept;
+
+  // Both areas get what the other one has newer, or alone, and a directory; at the start.
+  // kDeviceError: the medium takes no writes, or a document is lost; what can be read stays.
   Status mend() noexcept;
 
-  // As hal::Store.
+  // As hal::Store. kDeviceError also: it was there, and is in neither area, or only older.
   Result<std::optional<std::size_t>> load(Document document, std::span<std::byte> space) noexcept;
   // kTooLarge: it has no room for so many bytes.
   Status save(Document document, std::span<const std::byte> bytes) noexcept;
@@ -57,7 +43,6 @@ class RecordDisk {
   Status set_aside(Document document, std::optional<Document> aside) noexcept;
 
  private:
-  static constexpr std::size_t kAreas = 2;
   enum class Found : std::uint8_t { kNothing, kDamaged, kWhole };
   // One record as it stands in one area.
   struct Record {
@@ -65,22 +50,31 @@ class RecordDisk {
     std::uint32_t generation = 0;
     std::uint32_t bytes = 0;
     bool absent = false;  // it says that there is none
+    bool listed = false;
 
     bool whole() const noexcept { return found == Found::kWhole; }
     bool newer_than(const Record& other) const noexcept {
       return whole() && (!other.whole() || generation > other.generation);
     }
   };
+  using Pair = std::array<Record, kAreas>;
+  using All = std::array<Pair, kDocuments>;
 
-  std::size_t place_of(std::size_t area, Document document) const noexcept;
-  Record look(std::size_t area, Document document) noexcept;
-  std::array<Record, kAreas> look(Document document) noexcept {
-    return {look(0, document), look(1, document)};
+  void read_directories() noexcept;
+  std::size_t place_of(std::size_t area, Document document) const noexcept {
+    return areas_.at[area] + kPlaces[number(document)];
   }
+  Record look(std::size_t area, Document document) noexcept;
+  Pair look(Document document) noexcept;
+  All look_at_all() noexcept;
+  bool is_lost(Document document, const Pair& found) const noexcept;
+  bool is_even(const All& found) const noexcept;
+  Status mend(std::size_t area, All& found) noexcept;
   Status write(std::size_t area, Document document, const Record& record,
                std::span<const std::byte> bytes) noexcept;
   Status write_head(std::size_t area, Document document, const Record& record,
                     std::uint32_t crc) noexcept;
+  Status write_directory(std::size_t area) noexcept;
   // Of the record of that area to the other area, or to another document of it.
   Status copy(std::size_t from, std::size_t to, Document document, Document as,
               std::uint32_t generation) noexcept;
@@ -88,7 +82,9 @@ class RecordDisk {
   Status mend_before_writing() noexcept;
 
   hal::Disk& disk_;
-  std::array<std::size_t, kAreas> areas_;
+  Areas areas_;
+  std::array<std::optional<Directory>, kAreas> directories_{};
+  std::array<std::uint32_t, kDocuments> newest_{};  // of what the directories shall list
   bool uneven_ = true;  // the areas may differ: mend() before anything is written
 };
 

@@ -20,7 +20,7 @@ constexpr std::size_t kMostFile = 4 * kMostDocumentBytes;
 // "1a2b3c4d 2": the fingerprint of the settings on trial, and their failed starts.
 constexpr std::size_t kTrialBytes = 10;
 constexpr std::size_t kFingerprintDigits = 8;
-// Room for what an installer fixed, which has some 130 bytes.
+// Room for what an installer fixed, which has some 350 bytes.
 constexpr std::size_t kFixedBytes = 512;
 
 // One document of a store.
@@ -72,6 +72,13 @@ std::optional<Settings> load_good(hal::Store& store, Limits* limits) noexcept {
   return load(store, limits, unused).settings;
 }
 
+// Something was saved there, also where it cannot be used any more.
+bool was_saved(hal::Store& store) noexcept {
+  std::array<std::byte, kMostFile> bytes;
+  const Result<std::optional<std::size_t>> loaded = store.load(bytes);
+  return !loaded || loaded->has_value();
+}
+
 // In place of the current settings, of which `why` says what is wrong.
 StartSettings replace(const SettingsStores& stores, std::string_view place, Limits* limits,
                       Dropped dropped, std::string_view why, PagedWriter& line) noexcept {
@@ -87,8 +94,15 @@ StartSettings replace(const SettingsStores& stores, std::string_view place, Limi
   return start;
 }
 
+bool is_empty(hal::Store& store) noexcept {
+  std::array<std::byte, 1> space;
+  const Result<std::optional<std::size_t>> loaded = store.load(space);
+  return loaded && !*loaded;
+}
+
 bool is_fixed(const Field& field) noexcept {
-  return field.group == "limits" || (field.group == "serial" && field.name == "remote");
+  return field.group == "limits" || field.group == "network" ||
+         (field.group == "serial" && field.name == "remote");
 }
 
 void copy_fixed(const Settings& from, Settings& to) noexcept {
@@ -100,7 +114,8 @@ void copy_fixed(const Settings& from, Settings& to) noexcept {
   }
 }
 
-// None: the record is missing, damaged or does not name every one of these fields.
+// None: the record is missing, damaged or does not name every one of these fields. One of before
+// there were settings of the network names none of these.
 std::optional<Settings> load_fixed(hal::Store& store) noexcept {
   std::array<std::byte, kFixedBytes> bytes;
   const Result<std::optional<std::size_t>> loaded = store.load(bytes);
@@ -116,7 +131,9 @@ std::optional<Settings> load_fixed(hal::Store& store) noexcept {
   }
   const std::size_t count = field_count();
   for (std::size_t place = 0; place < count; ++place) {
-    if (is_fixed(field(place)) != named.test(place)) {
+    const Field known = field(place);
+    const bool may_be_missing = known.group == "network";
+    if (is_fixed(known) ? !named.test(place) && !may_be_missing : named.test(place)) {
       return std::nullopt;
     }
   }
@@ -177,19 +194,41 @@ Status save_fixed(hal::Store& fixed, const Settings& settings) noexcept {
   }
   std::array<char, kFixedBytes> space;
   PagedWriter out(space);
-  out << R"({"serial": {"remote": )" << (now.serial.remote ? "true" : "false")
-      << "}, \"limits\": {";
-  const char* between = "";
-  const std::size_t count = field_count();
-  for (std::size_t place = 0; place < count; ++place) {
-    if (const Field known = field(place); known.group == "limits") {
-      out << between << '"' << known.name << "\": ";
-      write_value(known, now, out);
-      between = ", ";
+  out << R"({"serial": {"remote": )" << (now.serial.remote ? "true" : "false") << "}";
+  for (const char* const group : {"limits", "network"}) {
+    out << ", \"" << group << "\": {";
+    const char* between = "";
+    const std::size_t count = field_count();
+    for (std::size_t place = 0; place < count; ++place) {
+      if (const Field known = field(place); known.group == group) {
+        out << between << '"' << known.name << "\": ";
+        write_value(known, now, out);
+        between = ", ";
+      }
     }
+    out << "}";
   }
-  out << "}}\n";
+  out << "}\n";
   return out.complete() ? fixed.save(std::as_bytes(std::span(out.text()))) : Status::kTooLarge;
+}
+
+void save_first(const SettingsStores& stores, std::string_view text, std::string_view place,
+                PagedWriter& line) noexcept {
+  if (!is_empty(stores.current) || !is_empty(stores.good) ||
+      (stores.fixed != nullptr && !is_empty(*stores.fixed))) {
+    return;
+  }
+  Settings settings;
+  std::array<char, kWhyBytes> space;
+  PagedWriter why(space);
+  line << place << ": ";
+  if (!parse(text, settings, why) || !usable(settings, nullptr, why)) {
+    line << why.text() << ": none of it is taken";
+  } else if (save_document(stores.current, settings) != Status::kOk) {
+    line << "cannot be saved: none of it is taken";
+  } else {
+    line << "taken as the first settings";
+  }
 }
 
 Status save_document(hal::Store& store, const Settings& settings) noexcept {
@@ -209,10 +248,10 @@ StartSettings load_settings(const SettingsStores& stores, std::string_view place
     if (current.dropped != Dropped::kNot) {
       return replace(stores, place, limits, current.dropped, why.text(), line);
     }
-    const bool was_saved = load_good(stores.good, limits).has_value() ||
-                           (stores.fixed != nullptr && load_fixed(*stores.fixed).has_value());
-    return was_saved ? replace(stores, place, limits, Dropped::kMissing, "missing", line)
-                     : StartSettings{};
+    const bool missing =
+        was_saved(stores.good) || (stores.fixed != nullptr && was_saved(*stores.fixed));
+    return missing ? replace(stores, place, limits, Dropped::kMissing, "missing", line)
+                   : StartSettings{};
   }
   StartSettings start{.settings = *current.settings, .fell_back = !why.text().empty()};
   bool counted = true;

@@ -17,8 +17,8 @@ struct SettingsStores {
   hal::Store& current;  // of the next start; the only one that requests write
   hal::Store& good;     // that proved good last (SettingsTrial)
   hal::Store& trial;    // how many starts with the current ones have not proven them
-  // What an installer fixed last, limits.* and serial.remote: it outlives settings that cannot be
-  // used. nullptr: nothing is kept of it.
+  // What an installer fixed last, limits.*, network.* and serial.remote: it outlives settings that
+  // cannot be used. nullptr: nothing is kept of it.
   hal::Store* fixed = nullptr;
 };
 
@@ -57,9 +57,16 @@ StartSettings load_settings(const SettingsStores& stores, std::string_view place
 StartSettings reload_settings(const SettingsStores& stores, std::string_view place, Limits& limits,
                               PagedWriter& line) noexcept;
 
-// What an installer fixed (limits.*, serial.remote), as it was saved last, into settings that hold
-// in place of the saved ones. false: that is not known: the line counts as remote, and for all but
-// an admin the range, the period and the streams stay as they are.
+// A document that somebody put beside a sensor before its first start: where nothing was ever saved
+// it is saved now, as if he had done so. Any text, of some or all fields. `line`: that it was
+// taken, or why not; empty: something was saved before.
+void save_first(const SettingsStores& stores, std::string_view text, std::string_view place,
+                PagedWriter& line) noexcept;
+
+// What an installer fixed (limits.*, network.*, serial.remote), as it was saved last, into settings
+// that hold in place of the saved ones. false: that is not known: the line counts as remote, for
+// all but an admin the range, the period and the streams stay as they are, and the network is as
+// it is in `settings`.
 bool keep_fixed(const SettingsStores& stores, Settings& settings) noexcept;
 // Writes nothing where the record says so already.
 Status save_fixed(hal::Store& fixed, const Settings& settings) noexcept;

@@ -1,39 +1,23 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
 #include <type_traits>
 
+#include "firmware/settings/text/fixed_text.h"
 #include "firmware/wire/frame/frame_images.h"
 
 // The settings of a sensor. The table in field.cpp says of each field which
 // values it takes, its unit and what it means; the values below are the defaults.
 namespace stof::settings {
 
-// At most kSize - 1 bytes of UTF-8, filled up with 0.
-template <std::size_t kSize>
-class Text {
- public:
-  constexpr Text() = default;
-  // Cut off where it is longer.
-  constexpr explicit Text(std::string_view text) noexcept {
-    std::ranges::copy(text.substr(0, kSize - 1), bytes_.begin());
-  }
-  constexpr std::string_view view() const noexcept { return {bytes_.data()}; }
-  // Ends with a 0.
-  constexpr const char* c_str() const noexcept { return bytes_.data(); }
-  friend bool operator==(const Text&, const Text&) = default;
-
- private:
-  std::array<char, kSize> bytes_{};
-};
-
 inline constexpr std::size_t kNameBytes = 31;
 inline constexpr std::size_t kDeviceBytes = 63;
 inline constexpr std::size_t kMatchBytes = 23;
+inline constexpr std::size_t kInterfaceBytes = 18;  // "255.255.255.255/30"
+inline constexpr std::size_t kIpv4Bytes = 15;
+inline constexpr std::size_t kHostnameBytes = 63;
 // At least as many as dsp::match_options() has.
 inline constexpr std::size_t kMatchSlots = 24;
 
@@ -107,6 +91,17 @@ struct DiscoverySettings {
   friend bool operator==(const DiscoverySettings&, const DiscoverySettings&) = default;
 };
 
+// Of the machine's interface, where it is the sensor's own (NetworkTrial).
+struct NetworkSettings {
+  bool dhcp = true;
+  bool link_local = true;               // one of 169.254.0.0/16 where there is no other address
+  Text<kInterfaceBytes + 1> address{};  // "A.B.C.D/BITS", beside that of DHCP; empty: none
+  Text<kIpv4Bytes + 1> gateway{};       // empty: none but that of DHCP
+  Text<kHostnameBytes + 1> hostname{"stof"};
+
+  friend bool operator==(const NetworkSettings&, const NetworkSettings&) = default;
+};
+
 // What all streams may be changed to by whoever is not the admin.
 enum class StreamLimit : std::uint8_t { kNone, kKeep, kFixed };
 
@@ -136,6 +131,7 @@ struct Settings {
   SectorSettings sectors;
   MavlinkSettings mavlink;
   DiscoverySettings discovery;
+  NetworkSettings network;
   ComputeSettings compute;
   LimitSettings limits;
 

@@ -2,9 +2,11 @@
 
 #include <array>
 
+#include "firmware/events/event_values.h"
 #include "firmware/settings/depth_settings.h"
 #include "firmware/settings/fields/document.h"
 #include "firmware/settings/fields/field_value.h"
+#include "firmware/settings/fields/network_text.h"
 #include "firmware/settings/fields/presets.h"
 #include "firmware/settings/fields/schema.h"
 #include "firmware/settings/saved_settings.h"
@@ -42,12 +44,21 @@ bool came_over_line(const firmware::Requester& by) noexcept {
 constexpr std::string_view kLineCloses =
     "serial.mode: this line takes no more requests: set it back over the network, or restart the "
     "sensor without saving this";
+constexpr std::string_view kNetworkOnTrial =
+    "network: in force in a second, for one minute; whoever saves the settings at the sensor's new "
+    "place keeps it (stof config SENSOR save), else it is taken back";
+constexpr std::string_view kNetworkNotInForce =
+    "active, but not saved: network is not in force yet: save over its new place";
 
 }  // namespace
 
 bool usable(const Settings& settings, Limits* limits, PagedWriter& why) noexcept {
   if (const char* const what = problem(settings); *what != '\0') {
     why << "depth.match: " << what;
+    return false;
+  }
+  if (const char* const what = problem(settings.network); *what != '\0') {
+    why << what;
     return false;
   }
   return limits == nullptr || limits->accepts(settings, why);
@@ -98,12 +109,19 @@ wire::SettingsAnswer SettingsServer::serve(const wire::SettingsRequest& request,
   PagedWriter out(as_writable_text(answer_text), reads ? request.offset : 0);
   const std::uint32_t before = revision_;
   const SerialMode mode = active_.serial.mode;
+  const NetworkSettings network = active_.network;
   const Result result = serve(request, as_text(text), by, out);
   if (came_over_line(by) && mode == SerialMode::kStof && active_.serial.mode != mode) {
     out << (out.text().empty() ? "" : "; ") << kLineCloses;
   }
+  const bool network_began = network != active_.network && network_runs();
+  if (network_began) {
+    out << (out.text().empty() ? "" : "; ") << kNetworkOnTrial;
+  }
   if (revision_ != before && parts_.changes != nullptr) {
-    firmware::Event change{.kind = firmware::EventKind::kSettingsChanged};
+    firmware::Event change{
+        .kind = firmware::EventKind::kSettingsChanged,
+        .former = network_began ? firmware::kNetworkOnTrial : firmware::kNotOfNetwork};
     if (by.peer) {
       change.address = by.peer->address;
       change.value = firmware::who(change.address);
@@ -129,7 +147,7 @@ SettingsServer::Result SettingsServer::serve(const wire::SettingsRequest& reques
     case Operation::kGet:
       return get(request.document, out);
     case Operation::kSet:
-      return change(text, by.access, out);
+      return change(text, by, out);
     case Operation::kStage:
       return stage(text, by, out);
     case Operation::kCommit:
@@ -138,11 +156,11 @@ SettingsServer::Result SettingsServer::serve(const wire::SettingsRequest& reques
       revert(by);
       return Result::kOk;
     case Operation::kPreset:
-      return preset(text, by.access, out);
+      return preset(text, by, out);
     case Operation::kSave:
-      return save(by.now, out);
+      return save(by, out);
     case Operation::kReset:
-      return reset(by.access, out);
+      return reset(by, out);
     case Operation::kKeys:
     case Operation::kUnpair:
     case Operation::kUpload:
@@ -243,20 +261,20 @@ SettingsServer::Result SettingsServer::commit(const firmware::Requester& by,
   if (!permitted(active_, with_staged(staged_by_tune_), Access::kTune, why)) {
     return Result::kDenied;
   }
-  const Result result = become(staged(), by.access, why);
+  const Result result = become(staged(), by, why);
   if (result != Result::kOk) {
     return result;  // what is staged stays
   }
   overridden_ &= ~staged_fields_;
   fell_back_ = staged_fell_back_ || fell_back_;
   forget_staged();
-  return save(by.now, why);
+  return save(by, why);
 }
 
-SettingsServer::Result SettingsServer::preset(std::string_view name, Access access,
+SettingsServer::Result SettingsServer::preset(std::string_view name, const firmware::Requester& by,
                                               PagedWriter& why) noexcept {
   if (const SettingsPreset* const found = find_preset(name)) {
-    return change(found->json, access, why);
+    return change(found->json, by, why);
   }
   why << "preset: takes ";
   write_preset_names(why);
@@ -279,8 +297,45 @@ Settings SettingsServer::to_save() const noexcept {
   return settings;
 }
 
-SettingsServer::Result SettingsServer::save(hal::Time now, PagedWriter& why) noexcept {
-  const Settings next = to_save();
+bool SettingsServer::confirm_network(const firmware::Requester& by, Settings& next,
+                                     PagedWriter& why) const noexcept {
+  if (by.access < Access::kAdmin) {
+    next.network = saved_.network;
+    return true;
+  }
+  // Who holds the cable reaches the sensor at any address.
+  if (!came_over_line(by) && !parts_.network->in_force()) {
+    why << (why.text().empty() ? "" : "; ") << kNetworkNotInForce;
+    return false;
+  }
+  parts_.network->confirm();
+  return true;
+}
+
+void SettingsServer::tick(hal::Time now) noexcept {
+  const std::optional<NetworkSettings> former =
+      parts_.network == nullptr ? std::nullopt : parts_.network->tick(now);
+  if (!former) {
+    return;
+  }
+  Settings next = active_;
+  next.network = *former;
+  std::array<char, kWhyBytes> space;
+  PagedWriter unused(space);
+  // Where the loop has not got to the last settings yet it is tried again.
+  if (become(next, {.peer = {}, .now = now, .access = Access::kAdmin}, unused) == Result::kOk &&
+      parts_.changes != nullptr) {
+    static_cast<void>(parts_.changes->push(
+        {.kind = firmware::EventKind::kSettingsChanged, .former = firmware::kNetworkTakenBack}));
+  }
+}
+
+SettingsServer::Result SettingsServer::save(const firmware::Requester& by,
+                                            PagedWriter& why) noexcept {
+  Settings next = to_save();
+  if (network_runs() && !confirm_network(by, next, why)) {
+    return Result::kNotSaved;
+  }
   if (next == saved_ && !unsaved_ && !fell_back_ && !dropped_) {
     return Result::kOk;  // a repeated request does not wear the medium
   }
@@ -297,7 +352,7 @@ SettingsServer::Result SettingsServer::save(hal::Time now, PagedWriter& why) noe
         << refusal.text();
     return Result::kNotSaved;
   }
-  if (!saves_.take(now)) {
+  if (!saves_.take(by.now)) {
     why << joint << "active, but not saved: " << kMostSaves
         << " saves at once, then one a minute: save again later";
     return Result::kNotSaved;
@@ -322,32 +377,39 @@ Status SettingsServer::write(const Settings& settings) const noexcept {
   return kept == Status::kOk ? save_document(*parts_.store, settings) : kept;
 }
 
-SettingsServer::Result SettingsServer::change(std::string_view json, Access access,
+SettingsServer::Result SettingsServer::change(std::string_view json, const firmware::Requester& by,
                                               PagedWriter& why) noexcept {
   Settings next = active_;
   FieldSet named;
   if (!parse(json, next, why, &named)) {
     return Result::kInvalid;
   }
-  const Result result = become(next, access, why);
+  const Result result = become(next, by, why);
   overridden_ &= result == Result::kOk ? ~named : FieldSet().set();
   return result;
 }
 
-SettingsServer::Result SettingsServer::reset(Access access, PagedWriter& why) noexcept {
-  // Where it listens now is not for a reset to change: the next start sees to it.
+SettingsServer::Result SettingsServer::reset(const firmware::Requester& by,
+                                             PagedWriter& why) noexcept {
+  // Where it listens now is not for a reset to change: of the port the next start sees to it, and
+  // the network stays as it is.
+  const std::size_t port = find_field("udp.port");
   FieldSet kept;
-  kept.set(find_field("udp.port"));
+  const std::size_t count = field_count();
+  for (std::size_t place = 0; place < count; ++place) {
+    kept.set(place, place == port || field(place).group == "network");
+  }
   kept &= overridden_;
   Settings next;
-  next.udp_port = kept.any() ? active_.udp_port : next.udp_port;
-  const Result result = become(next, access, why);
+  next.udp_port = kept.test(port) ? active_.udp_port : next.udp_port;
+  next.network = active_.network;
+  const Result result = become(next, by, why);
   overridden_ &= result == Result::kOk ? kept : FieldSet().set();
   return result;
 }
 
 // why: of a result of kOk, what fell back.
-SettingsServer::Result SettingsServer::become(Settings next, Access access,
+SettingsServer::Result SettingsServer::become(Settings next, const firmware::Requester& by,
                                               PagedWriter& why) noexcept {
   fit_blocks(next, why);
   const bool falls_back = !why.text().empty();
@@ -359,7 +421,7 @@ SettingsServer::Result SettingsServer::become(Settings next, Access access,
   }
   std::array<char, kWhyBytes> space;
   PagedWriter refusal(space);
-  if (!permitted(active_, next, access, refusal)) {
+  if (!permitted(active_, next, by.access, refusal)) {
     why << (falls_back ? "; " : "") << refusal.text();
     return Result::kDenied;
   }
@@ -373,6 +435,9 @@ SettingsServer::Result SettingsServer::become(Settings next, Access access,
   active_ = next;
   fell_back_ = fell_back;
   ++revision_;
+  if (parts_.network != nullptr) {
+    parts_.network->change(next.network, by.now);
+  }
   return Result::kOk;
 }
 

@@ -11,6 +11,7 @@
 #include "firmware/events/events.h"
 #include "firmware/settings/fields/field.h"
 #include "firmware/settings/key_ids.h"
+#include "firmware/settings/network_trial.h"
 #include "firmware/settings/permission.h"
 #include "firmware/settings/settings.h"
 #include "firmware/settings/text/paged_writer.h"
@@ -51,6 +52,7 @@ class SettingsServer final : public firmware::SettingsService {
     hal::Store* store = nullptr;              // nullptr: nothing can be saved
     hal::Store* fixed = nullptr;              // SettingsStores::fixed
     firmware::ChangeRing* changes = nullptr;  // gets each
+    NetworkTrial* network = nullptr;          // begun with `active`; nullptr: not the sensor's
     bool fell_back = false;                   // of load_settings()
     bool dropped = false;                     // what is in the store is not `saved`, and of no use
   };
@@ -71,6 +73,9 @@ class SettingsServer final : public firmware::SettingsService {
   wire::SettingsAnswer serve(const wire::SettingsRequest& request, std::span<const std::byte> text,
                              const firmware::Requester& by, std::span<std::byte> answer_text,
                              std::size_t& answer_bytes) noexcept override;
+
+  // Takes a change of network.* back that nobody has saved in time. Call some times a second.
+  void tick(hal::Time now) noexcept;
 
   const Settings& active() const noexcept { return active_; }
   std::uint32_t revision() const noexcept { return revision_; }
@@ -105,11 +110,16 @@ class SettingsServer final : public firmware::SettingsService {
   Settings to_save() const noexcept;
   Status write(const Settings& settings) const noexcept;
   Result commit(const firmware::Requester& by, PagedWriter& why) noexcept;
-  Result preset(std::string_view name, Access access, PagedWriter& why) noexcept;
-  Result save(hal::Time now, PagedWriter& why) noexcept;
-  Result change(std::string_view json, Access access, PagedWriter& why) noexcept;
-  Result reset(Access access, PagedWriter& why) noexcept;
-  Result become(Settings next, Access access, PagedWriter& why) noexcept;
+  Result preset(std::string_view name, const firmware::Requester& by, PagedWriter& why) noexcept;
+  Result save(const firmware::Requester& by, PagedWriter& why) noexcept;
+  // Whether a change of the network may be saved with `next`; without it, where another asks who
+  // may not change it.
+  bool confirm_network(const firmware::Requester& by, Settings& next,
+                       PagedWriter& why) const noexcept;
+  Result change(std::string_view json, const firmware::Requester& by, PagedWriter& why) noexcept;
+  Result reset(const firmware::Requester& by, PagedWriter& why) noexcept;
+  Result become(Settings next, const firmware::Requester& by, PagedWriter& why) noexcept;
+  bool network_runs() const noexcept { return parts_.network != nullptr && parts_.network->runs(); }
   Settings staged() const noexcept { return with_staged(staged_fields_); }
 
   Parts parts_;

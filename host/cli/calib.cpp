@@ -9,6 +9,7 @@
 #include "host/calibrate/report/pmd_report.h"
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
+#include "host/cli/output.h"
 #include "host/evaluate/other_camera.h"
 #include "host/report/pmd/pmd_page.h"
 
@@ -113,6 +114,28 @@ std::string missing_rig(const dsp::Calibration& calibration) {
          "with the rig's calibration)\n";
 }
 
+// Of a live sensor, where its flags ask for it.
+void record_live_walls(const CalibPmdOptions& options, const StoredCalibration& start) {
+  if (options.live.on() == options.live.distances.empty()) {
+    throw Failure(
+        Exit::kBadInput,
+        "calib pmd: --live and --distances: are of walls before a live sensor: give both");
+  }
+  if (!options.live.on()) {
+    return;
+  }
+  if (start.calibration.pmd.lens.width == 0) {
+    throw Failure(Exit::kBadInput,
+                  (options.start.empty() ? "calib pmd: --live"
+                                         : options.start.string() + ": has no PMD camera") +
+                      std::string(": give --start with a file of this rig, such as its drawing, "
+                                  "that knows the PMD camera's lens"));
+  }
+  need_file(options.out, "--out");
+  record_pmd_walls(options.live, options.folder, options.start, start.calibration.pmd,
+                   options.json);
+}
+
 }  // namespace
 
 void calib_pmd(const CalibPmdOptions& options) {
@@ -120,6 +143,7 @@ void calib_pmd(const CalibPmdOptions& options) {
   if (!options.start.empty()) {
     start = value_or_fail(read_calibration(options.start));
   }
+  record_live_walls(options, start);
   const Frames frames = frames_named(options.frames);
   WallFolder folder = value_or_fail(read_folder(options.folder, frames));
   const dsp::PmdSensor camera = camera_of(options, folder, start);
@@ -171,13 +195,29 @@ void add_calib(CLI::App& app, CalibPmdOptions& options, CalibInstallOptions& ins
   CLI::App& pmd = *calib.add_subcommand(
       "pmd", "A PMD sensor from a wall at known distances (docs/CALIBRATION.md)");
   show_example(pmd, "stof calib pmd walls --start rig.cal --out rig.cal --frames even",
-               "Ends with 0 (the file is written) or 2 (bad input, walls that the model does not "
-               "explain, or the file cannot be written).");
+               "Ends with 0 (the file is written), 1 (--live: stopped, or the sensor sent nothing; "
+               "walls are kept) or 2 (bad input, walls that the model does not explain, or the "
+               "file cannot be written).");
   pmd.add_option("DIR", options.folder, "Folder of the recordings; each json says \"z_m\"")
       ->required();
   pmd.add_option("--out", options.out, "The calibration file to write")->required();
   pmd.add_option("--start", options.start,
                  "Calibration file that everything is kept from that is not fitted");
+  CLI::Option* const sensor = pmd.add_option(
+      "--live", options.live.sensor,
+      "HOST[:PORT] of a sensor before which a wall is put at each of --distances; DIR keeps the "
+      "recordings. --start knows the lens");
+  pmd.add_option("--distances", options.live.distances,
+                 "--live: of the walls, metres, separated by commas; those that DIR holds are not "
+                 "asked for again")
+      ->needs(sensor)
+      ->delimiter(',')
+      ->check(CLI::Range(0.05, 100.0));
+  pmd.add_option("--exposures", options.live.exposures, "--live: of each wall")
+      ->needs(sensor)
+      ->check(CLI::Range(1, 200))
+      ->capture_default_str();
+  add_subscription_flags(pmd, options.live);
   pmd.add_option("--frames", options.frames, "Frames that are fitted to; the others judge")
       ->check(CLI::IsMember(kFramesNames))
       ->capture_default_str();

@@ -7,12 +7,14 @@
 #include <CLI/CLI.hpp>
 
 #include "host/cli/calib_install.h"
+#include "host/cli/calib_live_pmd.h"
 #include "host/cli/rig/calib_rig.h"
 
 // `stof calib pmd`: the constants of a PMD sensor from recordings of a wall at known distances.
 namespace stof::host {
 
 struct CalibPmdOptions {
+  PmdLiveOptions live{};
   std::filesystem::path folder;
   std::filesystem::path out;
   std::filesystem::path start;  // empty: none

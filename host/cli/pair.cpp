@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -28,6 +29,7 @@
 #include "host/client/control/pair_client.h"
 #include "host/client/control/user_keys.h"
 #include "host/text/printed.h"
+#include "posix/socket_address.h"
 
 namespace stof::host {
 namespace {
@@ -222,20 +224,36 @@ void pair_with(const PairOptions& options, const std::string& file) {
   say_kept(options, key, file, older_keys(value_or_fail(client::read_user_keys(file)), key));
 }
 
+// ", role admin, asked for by 192.0.2.7", as the sensor's log has it; "" of one that is older.
+std::string asked_text(const wire::PairOffer& offer) {
+  if (offer.role == wire::Role::kNone) {
+    return "";
+  }
+  in6_addr from{};
+  std::memcpy(&from, offer.from.data(), sizeof from);
+  std::string by = posix::make_address(from, 0).host();
+  constexpr std::string_view kMapped = "::ffff:";
+  by = by.starts_with(kMapped) ? by.substr(kMapped.size()) : by;
+  return std::string(", role ")
+      .append(wire::role_text(offer.role))
+      .append(", asked for ")
+      .append(by == "::" ? "over this line" : "by " + by);
+}
+
 // Whoever holds the cable stands for the button. He types the digits once more: who only has to say
 // yes says it before the other end has compared them.
-std::uint32_t accepted_digits(const PairOptions& options, std::uint32_t told) {
+std::uint32_t accepted_digits(const PairOptions& options, const wire::PairOffer& told) {
   constexpr std::uint32_t kNone = 1'000'000;
-  const std::string wanted = six_digits(told);
+  const std::string wanted = six_digits(told.digits);
   std::fprintf(
       talk(options),
-      "The sensor's digits are %s: type them into stof pair. Only if it says that they are equal, "
-      "type them here too: ",
-      wanted.c_str());
+      "The sensor's digits are %s%s: type them into stof pair. Only if it says that they are "
+      "equal, type them here too: ",
+      wanted.c_str(), asked_text(told).c_str());
   std::fflush(talk(options));
   std::string typed;
   std::getline(std::cin, typed);
-  return digits_in(typed) == wanted ? told : kNone;
+  return digits_in(typed) == wanted ? told.digits : kNone;
 }
 
 void open_window(const PairOptions& options) {
@@ -250,9 +268,9 @@ void open_window(const PairOptions& options) {
                "Pairing is open for two minutes: now stof pair SENSOR, where the key shall be.\n");
   std::fflush(talk(options));
   for (bool asked = false; window.key_id == 0;) {
-    if (window.digits && !asked) {
+    if (window.offer && !asked) {
       asked = true;
-      window = value_or_end(client.accept(accepted_digits(options, *window.digits)));
+      window = value_or_end(client.accept(accepted_digits(options, *window.offer)));
     } else {
       std::this_thread::sleep_for(std::chrono::milliseconds(200));
       window = value_or_end(client.open_window());

@@ -113,7 +113,12 @@ std::string event_line(const wire::EventReport& event) {
     line += std::string(": ") + info->text;
   }
   if (static_cast<wire::Condition>(event.condition) == wire::Condition::kSettingsChanged) {
-    line += " (by " + changer(event.value) + ")";
+    constexpr std::uint32_t kNetworkOnTrial = 1;
+    constexpr std::uint32_t kNetworkTakenBack = 2;
+    line += event.former == kNetworkTakenBack
+                ? " (the network is as before: nobody saved its change in time)"
+                : " (by " + changer(event.value) +
+                      (event.former == kNetworkOnTrial ? "; the network is on trial)" : ")");
   }
   if (static_cast<wire::Condition>(event.condition) == wire::Condition::kCalibrationChanged) {
     line += printed(" (%08x in place of %08x)", event.value, event.former);

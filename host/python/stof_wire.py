@@ -845,7 +845,8 @@ class EventReport(Layout):
     value: int = 0  # depends on the condition
     at_ns: int = 0  # when, ns, clock of the header
     # of calibration changed: the fingerprint of the one before; of release on trial: the
-    # fingerprint of the release; else 0
+    # fingerprint of the release; of settings changed: 1 the network is on trial until an admin
+    # saves it, 2 it is as before, since nobody did, else 0; else 0
     former: int = 0
 
     LAYOUT: typing.ClassVar[tuple] = (
@@ -1261,7 +1262,7 @@ class PairAnswer(Layout):
     attempt: int = 0  # random, for the steps that follow
     key_id: int = 0  # of the key that comes of it
     # of begin: the sensor's public key; of reveal and confirm: begins with a tag of the sensor; of
-    # open and accept with `waiting`: begins with the six digits (u32)
+    # open and accept with `waiting`: what is asked for, see below
     value: tuple = (0,) * 32
     nonce: tuple = (0,) * 16  # of begin: the sensor's
 

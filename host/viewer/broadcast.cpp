@@ -16,9 +16,16 @@ namespace stof::viewer {
 // it on the way.
 class PageConversation : public Conversation {
  public:
-  PageConversation(Broadcast& all, std::string why_not) : all_(all), why_not_(std::move(why_not)) {
+  PageConversation(Broadcast& all, Visitor visitor)
+      : all_(all),
+        visitor_(std::move(visitor)),
+        page_{.number = ++all.pages_, .place = visitor_.place, .there = mailbox_} {
     all_.visited_ = true;
-    mailbox_->put(rights_message(why_not_, why_not_.empty() ? ticket_ : ""));
+    const bool may = visitor_.why_not.empty();
+    mailbox_->put(rights_message({.why = visitor_.why_not,
+                                  .why_not_pair = may ? visitor_.why_not_pair : visitor_.why_not,
+                                  .ticket = may ? ticket_ : "",
+                                  .page = page_.number}));
   }
   ~PageConversation() override {
     if (frames_ > 0) {
@@ -34,11 +41,13 @@ class PageConversation : public Conversation {
  private:
   void allow(int frames);
   bool serve(Request request);
+  const std::string& why_not(const Wish& wish) const;
 
   Broadcast& all_;
-  const std::string why_not_;
+  const Visitor visitor_;
   const std::string ticket_ = random_token();
   const std::shared_ptr<Mailbox> mailbox_ = std::make_shared<Mailbox>();
+  const Page page_;
   // A seek bar that is dragged asks ten times a second.
   RateLimit limit_{20, std::chrono::milliseconds(50)};
   bool greeted_ = false;
@@ -70,6 +79,14 @@ bool PageConversation::take(std::string_view message) {
   return true;
 }
 
+// One line; empty: it may.
+const std::string& PageConversation::why_not(const Wish& wish) const {
+  const bool pairs = std::holds_alternative<BeginPairing>(wish) ||
+                     std::holds_alternative<GiveDigits>(wish) ||
+                     std::holds_alternative<EndPairing>(wish);
+  return visitor_.why_not.empty() && pairs ? visitor_.why_not_pair : visitor_.why_not;
+}
+
 // False: it asks for more than anybody can want.
 bool PageConversation::serve(Request request) {
   const auto refuse = [&](const std::string& why) {
@@ -82,14 +99,14 @@ bool PageConversation::serve(Request request) {
   if (!limit_.take(Broadcast::Clock::now())) {
     return false;
   }
-  if (!why_not_.empty()) {
-    refuse(why_not_);
+  if (const std::string& why = why_not(request.wish); !why.empty()) {
+    refuse(why);
   } else if (!knows_ticket || !all_.serve_) {
     refuse("this page was not asked: load it again");
   } else if (!mailbox_->open_one()) {
     refuse("the sensor has not answered what was asked before: wait a moment");
   } else {
-    all_.serve_(std::move(request.wish), Answer(mailbox_, request.id, all_.wake_));
+    all_.serve_(page_, std::move(request.wish), Answer(mailbox_, request.id, all_.wake_));
   }
   return true;
 }
@@ -171,8 +188,8 @@ std::optional<Broadcast::Text> Broadcast::event_after(std::uint64_t number) cons
   return at == events_.end() ? std::nullopt : std::optional(*at);
 }
 
-std::unique_ptr<Conversation> Broadcast::open_conversation(const std::string& why_not) {
-  return std::make_unique<PageConversation>(*this, why_not);
+std::unique_ptr<Conversation> Broadcast::open_conversation(const Visitor& visitor) {
+  return std::make_unique<PageConversation>(*this, visitor);
 }
 
 }  // namespace stof::viewer

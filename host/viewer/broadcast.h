@@ -28,6 +28,13 @@ enum class Topic : std::uint8_t {
 };
 inline constexpr std::size_t kTopics = 7;
 
+// What a page that has connected may have done, and where it is.
+struct Visitor {
+  std::string why_not{};       // one line: nothing; empty: what follows does not name
+  std::string why_not_pair{};  // likewise: no pairing
+  std::string place = "this computer";
+};
+
 // What all pages may see: the newest frame, what is told of each topic, the last events. Some
 // threads tell, another one's conversations ask.
 class Broadcast {
@@ -72,8 +79,8 @@ class Broadcast {
   // The first one after that number.
   std::optional<Text> event_after(std::uint64_t number) const;
 
-  // One page. why_not: it may have nothing done; empty: it may.
-  std::unique_ptr<Conversation> open_conversation(const std::string& why_not = "");
+  // One page. Of the server's thread.
+  std::unique_ptr<Conversation> open_conversation(const Visitor& visitor = {});
 
  private:
   friend class PageConversation;
@@ -86,6 +93,7 @@ class Broadcast {
   Newest frame_;
   std::array<Text, kTopics> topics_;
   std::deque<Text> events_;
+  std::uint64_t pages_ = 0;       // that have connected
   std::atomic<int> waiting_ = 0;  // pages that may be sent a frame
   std::atomic<bool> visited_ = false;
 };

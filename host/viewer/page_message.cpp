@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <initializer_list>
 #include <limits>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -193,13 +197,33 @@ std::optional<Request> request_of(const Json& said) {
       .id = static_cast<std::uint32_t>(*id), .ticket = *ticket, .wish = *std::move(wish)};
 }
 
+// An object that names a member twice means two things at once: whoever reads the first one, and
+// whoever reads the last one, would do something else.
+std::optional<Json> parse_once(std::string_view text) {
+  std::vector<std::set<std::string>> open;  // the names so far of the objects around
+  bool twice = false;
+  const auto watch = [&](int, Json::parse_event_t event, const Json& part) {
+    if (event == Json::parse_event_t::object_start) {
+      open.emplace_back();
+    } else if (event == Json::parse_event_t::object_end) {
+      open.pop_back();
+    } else if (event == Json::parse_event_t::key) {
+      twice = !open.back().insert(part.get<std::string>()).second || twice;
+    }
+    return true;
+  };
+  Json said = Json::parse(text, watch, false);
+  return twice ? std::nullopt : std::optional(std::move(said));
+}
+
 }  // namespace
 
 std::optional<PageMessage> parse_page_message(std::string_view text) {
-  const Json said = Json::parse(text, nullptr, false);
-  if (!said.is_object()) {
+  const std::optional<Json> parsed = parse_once(text);
+  if (!parsed || !parsed->is_object()) {
     return std::nullopt;
   }
+  const Json& said = *parsed;
   if (!said.contains("do")) {
     const std::optional<Look> look = look_of(said);
     return look ? std::optional<PageMessage>(*look) : std::nullopt;

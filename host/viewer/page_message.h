@@ -62,7 +62,7 @@ struct Request {
 
 using PageMessage = std::variant<Look, Request>;
 
-// Any bytes. None: it means nothing.
+// Any bytes. None: it means nothing, or names a member of an object twice.
 std::optional<PageMessage> parse_page_message(std::string_view text);
 
 }  // namespace stof::viewer

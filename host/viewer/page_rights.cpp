@@ -62,13 +62,37 @@ const char* reason(PageRight right) noexcept {
   return "";
 }
 
+const char* pairing_reason(PageRight right) noexcept {
+  switch (right) {
+    case PageRight::kGranted:
+      return "";
+    case PageRight::kOtherMachine:
+      return "only a page on the machine of stof view pairs: open it there or through ssh -L, or "
+             "use stof pair there";
+    case PageRight::kOtherUser:
+      return "only a page of the user who started stof view pairs: the key is that user's";
+    case PageRight::kNoPage:
+      return "only a page in a browser pairs: use stof pair";
+  }
+  return "";
+}
+
+std::string place_of(const PageOrigin& page) {
+  return page.loopback ? "this computer" : page.address;
+}
+
 PageRight judge_page(const AccessRules& rules, const PageOrigin& page,
                      std::uint32_t user) noexcept {
   if (!page.names_origin) {
     return PageRight::kNoPage;
   }
-  if (rules.lan_control) {
-    return PageRight::kGranted;  // who has the token
+  return rules.lan_control ? PageRight::kGranted  // who has the token
+                           : judge_pairing(page, user);
+}
+
+PageRight judge_pairing(const PageOrigin& page, std::uint32_t user) noexcept {
+  if (!page.names_origin) {
+    return PageRight::kNoPage;
   }
   if (!page.loopback) {
     return PageRight::kOtherMachine;
@@ -115,6 +139,10 @@ PageOrigin origin_of(int socket) {
     return page;
   }
   page.loopback = ntohl(peer.sin_addr.s_addr) >> 24 == kLoopback;
+  std::array<char, INET_ADDRSTRLEN> text{};
+  if (inet_ntop(AF_INET, &peer.sin_addr, text.data(), text.size()) != nullptr) {
+    page.address = text.data();
+  }
   for (const char* const file : {"/proc/net/tcp", "/proc/net/tcp6"}) {
     if (page.loopback && !page.user) {
       page.user =

@@ -8,12 +8,14 @@
 #include "host/viewer/web_access.h"
 
 // Whether a page may have something done beside looking: only one of this machine and of the user
-// whose program this is, whose keys it would use.
+// whose program this is, whose keys it would use. AccessRules::lan_control lets others use these
+// keys, and make none.
 namespace stof::viewer {
 
 // What is known of the other end of a connection.
 struct PageOrigin {
   bool loopback = false;                // its address
+  std::string address{};                // "192.0.2.7"
   std::optional<std::uint32_t> user{};  // of the program that holds it; none: nobody knows
   bool names_origin = false;            // it sent the header Origin, as browsers do
 };
@@ -29,6 +31,15 @@ const char* reason(PageRight right) noexcept;
 
 // user: who runs this program. The superuser, 0, may as well: he could anyway.
 PageRight judge_page(const AccessRules& rules, const PageOrigin& page, std::uint32_t user) noexcept;
+
+// Whether it may pair with the sensor, which gives the user a key: as judge_page() where nothing
+// lets others.
+PageRight judge_pairing(const PageOrigin& page, std::uint32_t user) noexcept;
+// One line: why it may not pair; empty where it may.
+const char* pairing_reason(PageRight right) noexcept;
+
+// "this computer", or its address: what pages are told of who began something.
+std::string place_of(const PageOrigin& page);
 
 // A line of /proc/net/tcp: the user of the connection from 127.x.y.z:from to this program's port
 // `to`. table: its text, or that of tcp6.

@@ -10,10 +10,20 @@ std::string dump_panel(const nlohmann::json& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+nlohmann::json begun_json(const BegunBy& by) {
+  return by.page == 0 ? nlohmann::json(nullptr)
+                      : nlohmann::json({{"page", by.page}, {"place", by.place}});
+}
+
 }  // namespace
 
-std::string rights_message(const std::string& why, const std::string& ticket) {
-  return dump_panel({{"type", "rights"}, {"may", why.empty()}, {"why", why}, {"ticket", ticket}});
+std::string rights_message(const RightsState& state) {
+  return dump_panel({{"type", "rights"},
+                     {"may", state.why.empty()},
+                     {"why", state.why},
+                     {"why_not_pair", state.why_not_pair},
+                     {"ticket", state.ticket},
+                     {"page", state.page}});
 }
 
 std::string answer_message(std::uint32_t id, bool done, const std::string& text) {
@@ -65,10 +75,11 @@ std::string pairing_message(const PairingState& state) {
   return dump_panel({{"type", "pairing"},
                      {"offer", state.offer},
                      {"step", state.step},
+                     {"by", begun_json(state.by)},
+                     {"role", state.role},
                      {"given", state.given},
                      {"ours", state.ours},
-                     {"text", state.text},
-                     {"takes_code", state.takes_code}});
+                     {"text", state.text}});
 }
 
 std::string update_message(const UpdateState& state) {
@@ -80,6 +91,7 @@ std::string update_message(const UpdateState& state) {
                      {"folder", state.folder},
                      {"files", files},
                      {"step", state.step},
+                     {"by", begun_json(state.by)},
                      {"file", state.file},
                      {"sent", state.sent},
                      {"total", state.total},

@@ -7,8 +7,14 @@
 // What the page's panels are told, as JSON. docs: docs/VIEWER.md.
 namespace stof::viewer {
 
-// To one page, first of all. why: it may have nothing done; empty: it may, with this ticket.
-std::string rights_message(const std::string& why, const std::string& ticket);
+// To one page, first of all.
+struct RightsState {
+  std::string why{};           // it may have nothing done; empty: it may, with this ticket
+  std::string why_not_pair{};  // it may not pair; empty: it may
+  std::string ticket{};
+  std::uint64_t page = 0;  // number of its connection, see BegunBy
+};
+std::string rights_message(const RightsState& state);
 std::string answer_message(std::uint32_t id, bool done, const std::string& text);
 
 struct SettingsState {
@@ -55,15 +61,22 @@ struct PlaybackState {
 };
 std::string playback_message(const PlaybackState& state);
 
+// The connection of a page that began something which takes a while.
+struct BegunBy {
+  std::uint64_t page = 0;  // 0: nobody has
+  std::string place{};     // "this computer", or its address
+};
+
 struct PairingState {
   // Why a key can be made here: "unpaired", nobody has one; "no_key", others have, this user has
   // none; empty: he has one, or nobody knows.
   std::string offer{};
   std::string step = "none";  // then "begin", "digits" (are awaited), "accept", "paired", "failed"
+  BegunBy by{};               // of this step, as role and what follows
+  std::string role{};         // that the key gets: "view", "tune", "admin"
   std::string given{};        // the six digits that were given
   std::string ours{};         // and those of here; only once some were given
   std::string text{};         // one line of what came of it
-  bool takes_code = false;    // of the label
 };
 std::string pairing_message(const PairingState& state);
 
@@ -77,6 +90,7 @@ struct UpdateState {
   // "none", "sending", "restarting", "trial", "confirmed", "left" (the former one runs again),
   // "failed"
   std::string step = "none";
+  BegunBy by{};  // of this step, as file and what follows
   std::string file{};
   std::uint64_t sent = 0;  // bytes that the sensor has
   std::uint64_t total = 0;

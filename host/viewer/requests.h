@@ -13,6 +13,16 @@
 
 namespace stof::viewer {
 
+// The connection of a page that wants something done. Copies are of the same one.
+struct Page {
+  std::uint64_t number = 0;  // from 1; no other connection of this program has it
+  std::string place{};       // "this computer", or its address
+  std::weak_ptr<const void> there{};
+
+  // Until the connection has ended; for any thread.
+  bool connected() const noexcept { return !there.expired(); }
+};
+
 // What one page is owed beside what all are told: answers to its requests. For any thread.
 class Mailbox {
  public:
@@ -47,6 +57,6 @@ class Answer {
 
 // Does what a page wants, or has it done; called by the server's thread, which must not wait. Each
 // is answered.
-using Serve = std::function<void(Wish, Answer)>;
+using Serve = std::function<void(const Page& page, Wish, Answer)>;
 
 }  // namespace stof::viewer

@@ -108,14 +108,18 @@ std::expected<Viewer, std::string> Viewer::open(const ViewerOptions& options) {
   parts->robot.emplace(*parts->foxglove, bridge::FeedOptions{});
   parts->robot->place_frames(wall_ns());
   std::vector<Subprotocol> subprotocols{
-      {.name = "stof.view.v1", .open_conversation = [all = &*parts->broadcast](PageRight right) {
-         return all->open_conversation(reason(right));
+      {.name = "stof.view.v1",
+       .open_conversation = [all = &*parts->broadcast](const WebVisitor& who) {
+         return all->open_conversation({.why_not = reason(who.change),
+                                        .why_not_pair = pairing_reason(who.pair),
+                                        .place = who.place});
        }}};
   for (const std::string_view name : kFoxgloveSubprotocols) {
-    subprotocols.push_back(
-        {.name = name, .foxglove = true, .open_conversation = [all = &*parts->foxglove](PageRight) {
-           return all->open_conversation();
-         }});
+    subprotocols.push_back({.name = name,
+                            .foxglove = true,
+                            .open_conversation = [all = &*parts->foxglove](const WebVisitor&) {
+                              return all->open_conversation();
+                            }});
   }
   std::expected<WebServer, std::string> server =
       WebServer::open({.page = kPage,

@@ -20,7 +20,7 @@ struct ViewerOptions {
   bool recording = false;     // a file: what is shown happened before
   // Others than this machine may look; every address then carries a token.
   bool lan = false;
-  bool lan_control = false;             // and have done what the page of this machine may
+  bool lan_control = false;             // and have done what the page of this machine may, but pair
   std::optional<std::uint16_t> port{};  // none: kDefaultPort, or any free one where it is taken
   Serve serve{};                        // does what pages want; none: nothing
   // "https://app.foxglove.dev": where Foxglove or Lichtblick that may look runs in a browser.

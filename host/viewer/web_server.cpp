@@ -329,9 +329,12 @@ int WebServer::Parts::on_connected(lws* wsi, Slot& slot) {
   if (spoken == options.subprotocols.end()) {
     return -1;
   }
-  slot.connection = new Connection{
-      // NOLINT
-      .conversation = spoken->open_conversation(judge_page(options.rules, page, geteuid()))};
+  auto conversation =
+      spoken->open_conversation({.change = judge_page(options.rules, page, geteuid()),
+                                 .pair = judge_pairing(page, geteuid()),
+                                 .place = place_of(page)});
+  // The slot is libwebsockets' memory: whoever closes the connection deletes it.
+  slot.connection = new Connection{.conversation = std::move(conversation)};  // NOLINT
   ++pages;
   return 0;
 }

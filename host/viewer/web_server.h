@@ -14,13 +14,19 @@
 
 namespace stof::viewer {
 
+// Who has connected.
+struct WebVisitor {
+  PageRight change = PageRight::kNoPage;  // whether it may have something done (page_rights.h)
+  PageRight pair = PageRight::kNoPage;
+  std::string place{};
+};
+
 // What is spoken over a WebSocket.
 struct Subprotocol {
   std::string_view name{};  // ends with a 0; outlives the server
   bool foxglove = false;    // see AccessRules::foxglove_origins
-  // Somebody has connected who speaks it. Called by the server's thread. right: whether it may have
-  // something done (page_rights.h).
-  std::function<std::unique_ptr<Conversation>(PageRight right)> open_conversation{};
+  // Somebody has connected who speaks it. Called by the server's thread.
+  std::function<std::unique_ptr<Conversation>(const WebVisitor& visitor)> open_conversation{};
 };
 
 struct WebServerOptions {

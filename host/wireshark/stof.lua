@@ -384,7 +384,7 @@ layouts.event = {
   {name = "count", size = 4, count = 1, kind = "uint32", title = "Count", base = base.DEC, doc = "how often it has begun since the sender's start"},
   {name = "value", size = 4, count = 1, kind = "uint32", title = "Value", base = base.DEC, doc = "depends on the condition"},
   {name = "at_ns", size = 8, count = 1, kind = "int64", title = "At ns", base = base.DEC, doc = "when, ns, clock of the header"},
-  {name = "former", size = 4, count = 1, kind = "uint32", title = "Former", base = base.DEC, doc = "of calibration changed: the fingerprint of the one before; of release on trial: the fingerprint of the release; else 0"},
+  {name = "former", size = 4, count = 1, kind = "uint32", title = "Former", base = base.DEC, doc = "of calibration changed: the fingerprint of the one before; of release on trial: the fingerprint of the release; of settings changed: 1 the network is on trial until an admin saves it, 2 it is as before, since nobody did, else 0; else 0"},
 }
 
 layouts.parity = {
@@ -600,7 +600,7 @@ layouts.pair_answer = {
   {name = "attempt", size = 8, count = 1, kind = "uint64", title = "Attempt", base = base.DEC, doc = "random, for the steps that follow"},
   {name = "key_id", size = 4, count = 1, kind = "uint32", title = "Key id", base = base.DEC, doc = "of the key that comes of it"},
   {name = "reserved2", size = 4, count = 1, kind = "bytes", title = "Reserved2"},
-  {name = "value", size = 1, count = 32, kind = "uint8", title = "Value", base = base.DEC, doc = "of begin: the sensor's public key; of reveal and confirm: begins with a tag of the sensor; of open and accept with `waiting`: begins with the six digits (u32)"},
+  {name = "value", size = 1, count = 32, kind = "uint8", title = "Value", base = base.DEC, doc = "of begin: the sensor's public key; of reveal and confirm: begins with a tag of the sensor; of open and accept with `waiting`: what is asked for, see below"},
   {name = "nonce", size = 1, count = 16, kind = "uint8", title = "Nonce", base = base.DEC, doc = "of begin: the sensor's"},
 }
 

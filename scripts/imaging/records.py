@@ -1,4 +1,5 @@
-"""Documents of the settings partition without a file system, as firmware/records/README.md has them: the first ones of a card.
+"""Documents of the settings partition without a file system, as firmware/records/README.md has them: the first ones of a card,
+and the directories that list them.
 
 `records.py FILE` lists those at the end of a file: of a partition, or of an image of a whole card.
 """
@@ -18,7 +19,10 @@ SIZES = {"settings": SMALL, "good settings": SMALL, "trial": SMALL, "limits": SM
 MAGIC = b"STOFDOC\0"
 HEAD_BYTES = 512
 HEAD = struct.Struct("<8sHHIIIII")  # magic, version, document, generation, bytes, their sum, flags, sum of these
-ABSENT = 1
+ABSENT, LISTED = 1, 2
+DIRECTORY_AT = AREA - 4096  # in an area
+DIRECTORY = struct.Struct(f"<8sHHII{len(SIZES)}I")  # magic, version, area, generation, documents, newest of each
+DIRECTORY_MAGIC, DIRECTORY_BYTES = b"STOFDIR\0", 512
 Record = collections.namedtuple("Record", "generation data")  # data None: it says that there is none
 
 
@@ -55,17 +59,46 @@ def record(name, data, generation=1):
     number, _ = _place(name)
     if len(data) > SIZES[name] - HEAD_BYTES:
         raise disk.DiskError(f"{name}: {len(data)} bytes, {SIZES[name] - HEAD_BYTES} are the most")
-    head = HEAD.pack(MAGIC, 1, number, generation, len(data), crc32c(data), 0, 0)[:-4]
+    head = HEAD.pack(MAGIC, 1, number, generation, len(data), crc32c(data), LISTED, 0)[:-4]
     return (head + struct.pack("<I", crc32c(head))).ljust(HEAD_BYTES, b"\0") + data
 
 
 def put(path, name, data):
-    """Writes it to both areas of a partition's image."""
+    """Writes it to both areas of a partition's image, and lists it."""
     bytes_of_it = record(name, data)
     with open(path, "r+b") as part:
         for area in AREAS:
             part.seek(area + _place(name)[1])
             part.write(bytes_of_it)
+    put_directories(path)
+
+
+def directory(area, generation, newest):
+    """The bytes of an area's directory; newest: generations by document."""
+    head = DIRECTORY.pack(DIRECTORY_MAGIC, 1, area, generation, len(SIZES), *(newest.get(name, 0) for name in SIZES))
+    head = head.ljust(DIRECTORY_BYTES - 4, b"\0")
+    return head + struct.pack("<I", crc32c(head))
+
+
+def put_directories(path):
+    """Writes those of a partition's image: they list what it has."""
+    with open(path, "r+b") as part:
+        found = {name: newest(part, name) for name in SIZES}
+        generations = {name: one.generation for name, one in found.items() if one}
+        for area, begin in enumerate(AREAS):
+            part.seek(begin + DIRECTORY_AT)
+            part.write(directory(area, 1, generations))
+
+
+def listed(part, area):
+    """{document: newest generation} of that area's directory; None: it is not whole."""
+    part.seek(AREAS[area] + DIRECTORY_AT)
+    data = part.read(DIRECTORY_BYTES)
+    magic, version, number, _, count, *generations = DIRECTORY.unpack_from(data)
+    if (magic, version, number) != (DIRECTORY_MAGIC, 1, area) or count < len(SIZES) or \
+            crc32c(data[:-4]) != struct.unpack("<I", data[-4:])[0]:
+        return None
+    return {name: generation for name, generation in zip(SIZES, generations) if generation}
 
 
 def read(part, area, name):
@@ -94,6 +127,10 @@ def main():
             if any(found):
                 print(f"{name}: " + ", ".join("none that is whole" if one is None else "set aside" if one.data is None else
                                               f"generation {one.generation}, {len(one.data)} bytes" for one in found))
+        for area in range(2):
+            known = listed(part, area)
+            print(f"directory {area}: " + ("none that is whole" if known is None else
+                                           ", ".join(f"{name} {generation}" for name, generation in known.items()) or "nothing"))
 
 
 class Part:

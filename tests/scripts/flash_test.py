@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Tests of scripts/flash, on files, and of what it refuses, on a machine that is made up."""
 
+import json
 import os
 import pathlib
 import pty
@@ -75,7 +76,7 @@ class OnFiles(unittest.TestCase):
         calibration = self.folder / "rig.cal"
         calibration.write_bytes(b"calibration of a rig")
         done = self.run_flash("--yes", "--calibration", calibration, "--name", "front \u00e4", "--address", "192.168.7.2/24",
-                              "--address", "dhcp", "--option=--size", "--option=320x240")
+                              "--address", "dhcp", "--gateway", "192.168.7.1", "--hostname", "front-7", "--option=--size", "--option=320x240")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stderr, "")  # no bar: this is no terminal
         code = CODE.search(done.stdout)[1]
@@ -84,8 +85,8 @@ class OnFiles(unittest.TestCase):
         part = self.settings()
         self.assertEqual(disk.read_ext4(part, "rig.cal"), b"calibration of a rig")
         with open(part, "rb") as open_part:
-            self.assertEqual(records.newest(open_part, "settings").data.decode(), '{"name": "front \u00e4"}\n')
-        self.assertEqual(disk.read_ext4(part, "address"), b"192.168.7.2/24\ndhcp\n")
+            self.assertEqual(json.loads(records.newest(open_part, "settings").data), {"name": "front \u00e4", "network": {
+                "dhcp": True, "address": "192.168.7.2/24", "gateway": "192.168.7.1", "hostname": "front-7"}})
         self.assertEqual(disk.read_ext4(part, "options"), b"--size\n320x240\n")
         self.assertEqual(disk.read_ext4(part, "label").decode().strip(), code.replace("-", ""))
         self.assertNotEqual(seed_of(part), bytes(disk.SEED_BYTES))
@@ -137,6 +138,9 @@ class OnFiles(unittest.TestCase):
                 (["--name", "x" * 32], {}, "--name takes"), (["--name", ""], {}, "--name takes"),
                 (["--name", "a\nb"], {}, "--name takes"), (["--address", "192.168.7.2"], {}, "--address takes"),
                 (["--address", "192.168.7.0/24"], {}, "no address of a host"), (["--address", "dhcp", "--address", "::1/64"], {}, "--address takes"),
+                (["--address", "10.0.0.2/24", "--address", "10.0.0.3/24"], {}, "one fixed address"),
+                (["--gateway", "10.0.0.1"], {}, "takes an --address"), (["--gateway", "x"], {}, "--gateway takes"),
+                (["--address", "10.0.0.2/24", "--gateway", "10.0.1.1"], {}, "of the same network"), (["--hostname", "a_b"], {}, "--hostname takes"),
                 (["--calibration", self.folder / "none"], {}, "No such file"), (["--option", ""], {}, "one word"),
                 ([], {"image": short}, "no image of scripts/image"), ([], {"image": self.folder / "none"}, "No such file"),
                 ([], {"card": short}, "use a larger one"), ([], {"card": self.folder / "none"}, "No such file"),

@@ -95,6 +95,44 @@ class Init(InFolder):
         self.assertEqual(self.function("usual_slot", before=words).stdout, "")
 
 
+class Helpers(InFolder):
+    """Functions of what runs beside stofd as root: what it takes of what stofd wrote."""
+
+    def call(self, part, words):
+        """The last line of a script of the image that stops before it does anything, with other words behind."""
+        text = (ROOT / "board/image" / part).read_text()
+        end = {"network": "\nip link set lo up", "devices": "\nif [ "}[part]
+        return subprocess.run(["sh", "-c", text[:text.index(end) + 1].replace("export PATH=/bin", "") + words], capture_output=True, text=True,
+                              check=False, cwd=self.folder)
+
+    def test_the_network_takes_addresses_and_a_name_alone(self):
+        def taken(text):
+            self.file("asked", text.encode())
+            done = self.call("network", 'read_asked asked && understand && echo "$dhcp $link_local [$address] [$gateway] $name"')
+            self.assertEqual(done.stderr, "")
+            return done.stdout.strip()
+
+        whole = "dhcp no\nlink_local yes\naddress 192.168.7.2/24\ngateway 192.168.7.1\nhostname front-7\n"
+        self.assertEqual(taken(whole), "no yes [192.168.7.2/24] [192.168.7.1] front-7")
+        self.assertEqual(taken("dhcp yes\nlink_local no\nhostname stof\n"), "yes no [] [] stof")
+        for was, wrong in (("dhcp no", "dhcp maybe"), ("dhcp no\n", ""), ("/24", "/31"), ("/24", ""), ("/24", "/24/1"), (".7.2", ".7.256"),
+                           (".7.2", ".7.2 dev eth1"), (".7.2", ".7"), (".7.2", ".7.2.3"), ("192.168.7.1", "-h"), ("front-7", "-front"),
+                           ("front-7", "a;reboot"), ("front-7", "$(reboot)"), ("front-7", "a" * 64), ("gateway", "route"),
+                           ("hostname front-7\n", ""), ("dhcp no\n", "dhcp no\n" * 8)):
+            self.assertEqual(taken(whole.replace(was, wrong, 1)), "", (was, wrong))
+
+    def test_a_device_goes_to_its_group(self):
+        words = 'chgrp() { echo "$1 $2"; }\nchmod() { :; }\n'
+        for device, group in (("video4linux video0", "video"), ("media media1", "video"), ("gpio gpiochip0", "gpio"),
+                              ("tty ttyAMA0", "dialout"), ("watchdog watchdog0", "watchdog")):
+            subsystem, name = device.split()
+            self.assertEqual(self.call("devices", f"{words}give {device} ''").stdout, f"{group} /dev/{name}\n")
+        usb = "usb bus/usb/001/004"
+        self.assertEqual(self.call("devices", f"{words}give {usb} 1209/50/100").stdout, "plugdev /dev/bus/usb/001/004\n")
+        for other in (f"{usb} 1209/5/100", f"{usb} ''", "block vda4 ''", "tty tty1 ''", "mem mem ''", "block video0 ''"):
+            self.assertEqual(self.call("devices", f"{words}give {other}").stdout, "", other)
+
+
 class Records(InFolder):
     def test_both_areas_get_them_and_the_newer_whole_one_counts(self):
         part = self.file("part")
@@ -105,6 +143,7 @@ class Records(InFolder):
             self.assertEqual(records.newest(file, "settings"), (1, b'{"name": "front"}'))
             self.assertEqual([records.read(file, area, "calibration").data for area in range(2)], [bytes(100_000)] * 2)
             self.assertIsNone(records.newest(file, "keys"))
+            self.assertEqual([records.listed(file, area) for area in range(2)], [{"settings": 1, "calibration": 1}] * 2)
             file.seek(records.AREAS[1])
             file.write(records.record("settings", b"new", 2))
             self.assertEqual(records.newest(file, "settings"), (2, b"new"))

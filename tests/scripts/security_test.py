@@ -11,6 +11,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ELSEWHERE = {"tests/fuzz": lambda: (ROOT / "tests/fuzz").is_dir(),
+             "tests/system/image_network.py": lambda: (ROOT / "tests/system/image_network.py").is_file(),
              "scripts/link_bench attack": lambda: re.search(r"^def attack\(run\)", (ROOT / "scripts/link_bench").read_text(), re.M)}
 
 
@@ -34,8 +35,9 @@ def known():
                   re.findall(r"^TEST(?:_F|_P)?\((\w+),\s*(\w+)\)", source.read_text(encoding="utf-8"), re.M)}
     for lists in (ROOT / "tests").rglob("CMakeLists.txt"):
         names |= set(re.findall(r"NAME (\w+\.\w+)", lists.read_text(encoding="utf-8")))
-    for source in (ROOT / "tests/host").rglob("*_test.py"):
-        names |= set(re.findall(r"^    def (test_\w+)", source.read_text(encoding="utf-8"), re.M))
+    for folder in ("tests/host", "tests/scripts"):
+        for source in (ROOT / folder).rglob("*_test.py"):
+            names |= set(re.findall(r"^    def (test_\w+)", source.read_text(encoding="utf-8"), re.M))
     names |= {f"Fuzz.{target.stem}" for target in (ROOT / "tests/fuzz").glob("*.cpp")}
     return names
 

@@ -51,10 +51,23 @@ PROBE = """{
   tell mount mounts
   ip -4 addr show dev eth0 >/run/addresses
   tell address ../run/addresses
+  for process in /proc/[0-9]*; do
+    read -r name <"$process/comm"
+    [ "$name" = stofd ] || continue
+    tell status "${process#/proc/}/status"
+    for task in "$process"/task/*; do tell task "${task#/proc/}/stat"; done
+  done
   for name in udp udp6 tcp tcp6 raw raw6; do [ ! -r /proc/net/$name ] || tell $name net/$name; done
   echo "PROBE end"
 } >/dev/console &
 """
+
+# Who stofd is in the image: a user of no capability, in the groups of a rig's devices (board/image/passwd, group).
+STOF_ID = "900"
+NO_CAPABILITY = "0" * 16
+PRIVILEGES = {"Uid": [STOF_ID] * 4, "Gid": [STOF_ID] * 4, "Groups": "20 44 46 900 901 902".split(), "NoNewPrivs": ["1"],
+              **{name: [NO_CAPABILITY] for name in ("CapInh", "CapPrm", "CapEff", "CapAmb")}}
+SCHED_FIFO = "1"
 
 # A card that lacks something, and what its console says of it.
 LACKING = (("no_calibration", "no calibration on the settings partition"), ("no_settings", "no settings partition"))
@@ -134,6 +147,17 @@ def with_probe(initramfs_file):
     initramfs_file.write_bytes(data + bytes(-len(data) % 4) + gzip.compress(archive.bytes(), mtime=0))
 
 
+def has_no_privileges(told, report):
+    """stofd's process as the probe saw it."""
+    status = {words[0].rstrip(":"): words[1:] for kind, *words in told if kind == "status"}
+    found = {name: status.get(name) for name in PRIVILEGES}
+    report.figure("privileges of stofd", found, f"{PRIVILEGES}", found == PRIVILEGES)
+    report.figure("its locked memory", " ".join(status.get("VmLck", [])), "> 0 kB", int(status.get("VmLck", ["0"])[0]) > 0)
+    # After "PID (NAME) ": field 3 on; 41 is the policy.
+    policies = [" ".join(words).rpartition(") ")[2].split()[38] for kind, *words in told if kind == "task"]
+    report.figure("policies of its threads", policies, "SCHED_FIFO among them", SCHED_FIFO in policies)
+
+
 def nothing_more_is_open(scene, image, work, report):
     """What the guest has mounted to be written, and which ports are open: the documented ones."""
     folder = work / "open"
@@ -153,8 +177,9 @@ def nothing_more_is_open(scene, image, work, report):
     report.figure("addresses", sorted(addresses), "by DHCP and the one that was named", sorted(addresses) == sorted((BY_DHCP, STATIC)))
     mounts = [words for kind, *words in told if kind == "mount"]
     checks.check(any(words[0] == "/dev/vda4" for words in mounts), "the probe saw no settings partition")
-    writable = [words[1] for words in mounts if words[0].startswith("/dev/") and "rw" in words[3].split(",")]
-    report.figure("partitions mounted to be written", writable, "none", not writable)
+    writable = [words[1] for words in mounts if "rw" in words[3].split(",") and (words[0].startswith("/dev/") or words[1] == "/")]
+    report.figure("partitions mounted to be written, and the root", writable, "none", not writable)
+    has_no_privileges(told, report)
     ports = set()
     for kind, *words in told:
         if kind in ("udp", "udp6", "tcp", "tcp6") and words[0] != "sl" and (kind.startswith("udp") or words[3] == LISTENS):

@@ -21,9 +21,6 @@ namespace {
 
 // Of a part of the way between two matches: less than kSurfaceStep times as much fits int.
 constexpr int kPartBits = 20;
-constexpr int kJudgedStep = 12;  // 1/16 px
-// A step of disparity that an edge has at least, of the nearer parallax.
-constexpr int kCutShare = 20;
 
 template <typename Table>
 class AmbiguityResolver : private FusedPixels {
@@ -185,20 +182,21 @@ class AmbiguityResolver : private FusedPixels {
     std::size_t end = 0;  // of what may be judged together
     bool sure = false;
     int raw = 0;
+    int grey = 0;
     alone_.each(n, [&](std::size_t x) noexcept {
-      if (x >= end || is_sure(x) != sure || std::abs(row_.disparity[x].raw - raw) > kJudgedStep) {
+      const int here = row_.picture.empty() ? 0 : row_.picture[x];
+      if (x >= end || is_sure(x) != sure || std::abs(row_.disparity[x].raw - raw) > kJudgedStep ||
+          std::abs(here - grey) >= kEdgeStep) {
         end = x + kJudgedTogether;
         sure = is_sure(x);
         raw = row_.disparity[x].raw;
-        said = row_.evidence->judge(
-            {.x = static_cast<int>(x),
-             .y = row_.y,
-             .disparity = row_.disparity[x],
-             .ratio = row_.support.ratio[x],
-             .interval = published(x),
-             .contrast =
-                 row_.whole.empty() ? 0 : contrast(row_.whole, static_cast<int>(x), row_.y)},
-            row_.view);
+        grey = here;
+        said = row_.evidence->judge({.x = static_cast<int>(x),
+                                     .y = row_.y,
+                                     .disparity = row_.disparity[x],
+                                     .ratio = row_.support.ratio[x],
+                                     .interval = published(x)},
+                                    {row_.view, row_.whole});
       }
       finish_alone(x, said);
     });
@@ -423,8 +421,10 @@ class AmbiguityResolver : private FusedPixels {
       const DepthRange seen = pmd(x);
       const int depth = std::clamp<int>(row_.reading[x], seen.low, seen.high);
       out_.depth[x] = static_cast<QuarterMm>(depth);
-      cover_pmd(x);
-      if (!between && !edge_.has(x) && depth - seen.low <= kMaxGuess) {
+      if (between || edge_.has(x) || depth - seen.low > kMaxGuess) {
+        cover_pmd(x);
+      } else {  // of one surface
+        widen(x, (seen.high - seen.low + 1) / 2);
         out_.source[x] = Source::kResolved;
         out_.cause[x] = Cause::kStereoAmbiguous;
       }

@@ -89,12 +89,12 @@ inline constexpr int kWideShadowMargin = 24;
 // below kSurestRatio and behind; unless both meet once the PMD's is moved by one pmd_range.
 //
 // Then pixels that only their match speaks for are judged by MatchEvidence, some that are near
-// each other and alike together: kept, confirmed (a kStereo becomes kBoth, what both allow),
-// contradicted (kConflict, kContradiction) or unsupported (kNone, kStereoAmbiguous). A doubtful one
-// is unsupported, too, unless its interval can be widened over the matches around (surroundings.h).
-// Where there is a view, a kResolved by kStereoAmbiguous (the PMD against an indistinct match)
-// becomes kConflict by kContradiction if the matches around are on the match's side of the PMD's
-// interval: behind, or nearer by more than kMaxGuess.
+// each other and alike (in the picture, too) together: kept, confirmed (a kStereo becomes kBoth,
+// what both allow), contradicted (kConflict, kContradiction) or unsupported (kNone,
+// kStereoAmbiguous). A doubtful one is unsupported, too, unless its interval can be widened over
+// the matches around (surroundings.h). Where there is a view, a kResolved by kStereoAmbiguous (the
+// PMD against an indistinct match) becomes kConflict by kContradiction if the matches around are on
+// the match's side of the PMD's interval: behind, or nearer by more than kMaxGuess.
 //
 // Where the left picture is there, matches below kNeighbourRatio that lie before the edge of what
 // they were matched to (fattened_edge.h), across pixels without one from L, kSurfaceStep behind it
@@ -120,15 +120,13 @@ inline constexpr int kWideShadowMargin = 24;
 //              kPmdEdge; kResolved, kMixedPixel
 //   reading    where there are a view and no L or no R, unless it is farther by more than kMaxGuess
 //              than the PMD's near end, or the PMD says kPmdEdge: the PMD's reading, with an
-//              interval over the PMD's; kResolved, kStereoAmbiguous
-// Elsewhere a kPmd that is left has its reading as its depth, with such an interval, where there
-// is a view.
-// Depths left of all matches (R where there is no L) and between two matches are moved
-// towards the reading (kPullWay, kPullShare) unless the PMD says kPmdEdge, and their intervals are
-// widened by as much.
-// Other pixels, and those for which nothing fits, stay as they are, but for this: a kConflict whose
-// intervals meet once the PMD's is moved by one pmd_range (or up to a sixteenth less: Z of a
-// slanted ray) gets kRangeAmbiguous. All of one length.
+//              interval as long as the PMD's; kResolved, kStereoAmbiguous
+// Elsewhere a kPmd that is left has its reading as its depth, with an interval over the PMD's,
+// where there is a view. Depths left of all matches (R where there is no L) and between two matches
+// are moved towards the reading (kPullWay, kPullShare) unless the PMD says kPmdEdge, and their
+// intervals are widened by as much. Other pixels, and those for which nothing fits, stay as they
+// are, but for this: a kConflict whose intervals meet once the PMD's is moved by one pmd_range (or
+// up to a sixteenth less: Z of a slanted ray) gets kRangeAmbiguous. All of one length.
 //
 // At an edge of the PMD (kPmdEdge) such a depth is a guess between two surfaces. Its interval is
 // widened about it, at most to twice the depth, until it holds the PMD's. It is dropped (kConflict,

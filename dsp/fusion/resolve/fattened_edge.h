@@ -10,6 +10,8 @@ namespace stof::dsp {
 inline constexpr std::size_t kEdgeBand = 8;
 // What its true edge differs by from one pixel to the next, grey levels.
 inline constexpr int kEdgeStep = 24;
+// The step of disparity that an edge has at least, of the nearer parallax.
+inline constexpr int kCutShare = 20;
 
 // Matches of a near surface reach beyond its left edge: a block or a path holds the edge, so it
 // fits the pixels before it as well. Where the picture's edge is tells how far.

@@ -1,7 +1,6 @@
 #include "dsp/fusion/resolve/match_evidence.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdlib>
 
@@ -19,16 +18,12 @@ constexpr int kEnoughWhereSure = 6;
 constexpr int kEnoughOutside = 3;
 
 constexpr int kSupporters = 16;
-constexpr int kBeyondDoubt = 20;
+constexpr int kBeyondDoubt = 18;
 constexpr int kOutsideWeight = 9;
 constexpr int kRatioWeight = 12;
 constexpr int kLeastContrast = 7;  // a grey level for each pixel: noise
-
-// 16 times the logarithm to base 2, straight between powers of two. value: 1 or more.
-constexpr int log2_q4(int value) noexcept {
-  const int whole = static_cast<int>(std::bit_width(static_cast<unsigned>(value))) - 1;
-  return whole * 16 + (((value << 4) >> whole) - 16);
-}
+constexpr int kBeyondWeight = 2;   // 16ths
+constexpr int kBeforeWeight = 8;
 
 constexpr float kChanceShare = 8;         // of the range: agreement by chance is one in four
 constexpr float kAgreementShare = 0.05F;  // of the distance
@@ -131,10 +126,14 @@ MatchEvidence::Support MatchEvidence::inner_supporters(
   return support;
 }
 
+int MatchEvidence::most_of(const Match& match) const noexcept {
+  return std::max((match.disparity.raw - infinity_raw_) / kSupportShare, kMinSupportStep);
+}
+
 MatchEvidence::Support MatchEvidence::supporters(
     const Match& match, ImageView<const Disparity> disparity) const noexcept {
   const int raw = match.disparity.raw;
-  const int most = std::max((raw - infinity_raw_) / kSupportShare, kMinSupportStep);
+  const int most = most_of(match);
   constexpr int kFarthest = kSupportRings.back();
   if (match.x >= kFarthest && match.x + kFarthest < disparity.width() && match.y >= kFarthest &&
       match.y + kFarthest < disparity.height()) {
@@ -163,20 +162,28 @@ MatchEvidence::Support MatchEvidence::supporters(
   return support;
 }
 
-// For a match: each that supports it, and a constant; more where the PMD camera does not look.
-// Against it: pixels near it without a match, its peak ratio, and the logarithm of the contrast.
-// The weights are those of a regression (docs/DESIGN.md).
-bool MatchEvidence::is_beyond_doubt(const Match& match, const Support& support,
-                                    bool outside) noexcept {
+// For a match: each that supports it, and a constant; more where the PMD camera does not look, and
+// where its surface ends at an edge of the picture. Against it: pixels near it without a match, its
+// peak ratio, the logarithm of the contrast, and an edge behind it. The weights are those of a
+// regression (docs/DESIGN.md).
+bool MatchEvidence::is_beyond_doubt(const Match& match, const MatchedView& view,
+                                    const Support& support, bool outside) const noexcept {
   const int supported = support.count * kSupporters / std::max(support.there, 1);
-  const int against = support.missing + match.ratio / kRatioWeight +
-                      (log2_q4(kLeastContrast + match.contrast) * 7) / 32;
-  return supported + (outside ? kOutsideWeight : 0) + kBeyondDoubt > against;
+  const int change = view.picture.empty() ? 0 : contrast(view.picture, match.x, match.y);
+  const int against =
+      support.missing + match.ratio / kRatioWeight + (log2_q4(kLeastContrast + change) * 7) / 32;
+  const int balance = supported + (outside ? kOutsideWeight : 0) + kBeyondDoubt - against;
+  constexpr int kMost = log2_q4(kFarthestBeyond);  // what edges can say
+  if (balance > kMost * kBeyondWeight / 16 || balance <= -kMost * kBeforeWeight / 16) {
+    return balance > 0;
+  }
+  const int beyond = beyond_edge(view, {match.x, match.y, match.disparity.raw, most_of(match)});
+  return balance > beyond * (beyond > 0 ? kBeyondWeight : kBeforeWeight) / 16;
 }
 
 MatchEvidence::Result MatchEvidence::judge(const Match& match,
-                                           ImageView<const Disparity> disparity) const noexcept {
-  const Support support = supporters(match, disparity);
+                                           const MatchedView& view) const noexcept {
+  const Support support = supporters(match, view.disparity);
   if (!support.is_enough(kEnoughOutside)) {
     return {Verdict::kUnsupported, {}};
   }
@@ -185,7 +192,7 @@ MatchEvidence::Result MatchEvidence::judge(const Match& match,
   const float half = static_cast<float>(high - low) / 2;
   const PmdView::Place place = view_.of(match.x, match.y, depth);
   if (!place.seen()) {
-    const bool enough = around_ > 0 || is_beyond_doubt(match, support, true);
+    const bool enough = around_ > 0 || is_beyond_doubt(match, view, support, true);
     return {enough ? Verdict::kKept : Verdict::kDoubtful, {}};
   }
   const Said own = ask(place.column, place.row, place.distance, half);
@@ -206,7 +213,7 @@ MatchEvidence::Result MatchEvidence::judge(const Match& match,
     return {Verdict::kUnsupported, {}};
   }
   if (!folded) {
-    const bool enough = around_ > 0 || is_beyond_doubt(match, support, false);
+    const bool enough = around_ > 0 || is_beyond_doubt(match, view, support, false);
     return {enough ? Verdict::kKept : Verdict::kDoubtful, {}};
   }
   return {Verdict::kConfirmed,

@@ -7,6 +7,7 @@
 #include "dsp/calib/calibration.h"
 #include "dsp/fusion/interval/stereo_interval.h"
 #include "dsp/fusion/project/pmd_view.h"
+#include "dsp/fusion/resolve/surface_ends.h"
 #include "dsp/pmd/pmd_maps.h"
 
 namespace stof::dsp {
@@ -36,7 +37,6 @@ class MatchEvidence {
     Disparity disparity;
     std::uint8_t ratio;  // peak ratio
     DepthInterval interval;
-    int contrast = 0;  // of the left picture around it (contrast())
   };
   struct Result {
     Verdict verdict;
@@ -52,7 +52,7 @@ class MatchEvidence {
   // Whether judge() may be called: there are PMD data.
   bool judges() const noexcept { return pmd_ != nullptr; }
 
-  // disparity: of the left view, which holds the match.
+  // view: which holds the match.
   // Of the 16 matches 4 and 8 px around it, those within 3/4 px or a 24th of the parallax support a
   // match; bounds hold for 16, and for as many as the picture has there in proportion. With fewer
   // than 3 it is unsupported.
@@ -67,9 +67,10 @@ class MatchEvidence {
   // with kPmdEdge.
   // The margin of a reading that confirms it is a percent.
   // Beside a fine PMD camera a match that no reading confirms may be of what is near, beyond its
-  // edge. It is doubtful where its support, with more of it the more the picture changes there and
-  // the less distinct it is, is not enough (is_beyond_doubt() in the source).
-  Result judge(const Match& match, ImageView<const Disparity> disparity) const noexcept;
+  // edge. It is doubtful where its support, with more of it the more the picture changes there, the
+  // less distinct it is, and the more the picture says that it lies beyond an edge
+  // (beyond_edge()), is not enough (is_beyond_doubt() in the source).
+  Result judge(const Match& match, const MatchedView& view) const noexcept;
 
   // Whether a surface at Z `depth`, quarter mm, may be what pixel (x, y) of the left view shows:
   //   kConfirmed     the folded reading there is one of it, within 2 sigma and a twentieth of the
@@ -99,7 +100,9 @@ class MatchEvidence {
     int missing = 0;  // of those near it, that have no match
     bool is_enough(int of_sixteen) const noexcept { return 16 * count >= of_sixteen * there; }
   };
-  static bool is_beyond_doubt(const Match& match, const Support& support, bool outside) noexcept;
+  bool is_beyond_doubt(const Match& match, const MatchedView& view, const Support& support,
+                       bool outside) const noexcept;
+  int most_of(const Match& match) const noexcept;
   Support supporters(const Match& match, ImageView<const Disparity> disparity) const noexcept;
   static Support inner_supporters(const Match& match, int most,
                                   ImageView<const Disparity> disparity) noexcept;

@@ -17,6 +17,7 @@ namespace stof::dsp {
 
 // Pixels so near each other have one verdict, where they are alike.
 inline constexpr std::size_t kJudgedTogether = 8;  // px
+inline constexpr int kJudgedStep = 12;             // 1/16 px
 // Matches around that are on the same side of what the PMD sees as an indistinct one, less those
 // that are not: more of 16 do not err together.
 inline constexpr int kOutvotes = 9;

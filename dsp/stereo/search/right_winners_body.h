@@ -13,6 +13,9 @@
 //   V, kLanes, load, all, either (bitwise or), next (+ 1)
 //   meet(costs, candidate, lowest, winner)
 //                            where costs are below the lowest, both become these
+//   meet_all(column, lanes, lowest, winner)
+//                            may be missing: that for candidates 0 .. lanes - 1 of kLanes pixels,
+//                            of which the first one meets `column` as its candidate 0
 //   store(lowest, winner, to_lowest, to_winners)
 //                            winners as i16, kNoWinner where the lowest is kNoCost
 namespace stof::dsp::right_winners_body {
@@ -47,6 +50,14 @@ class RightPixels {
   // candidate i.
   Found find(int j) const noexcept {
     Found found{.lowest = Isa::all(kNoCost<Lane>), .candidates = Isa::all(0)};
+    if constexpr (requires { &Isa::meet_all; }) {
+      // Columns last_ - j - kLanes .. last_ - j + lanes_ - 1 are read.
+      if (j >= lanes_ - 1 && j + kLanes <= last_) {
+        const Lane* const column = costs_ + static_cast<std::ptrdiff_t>(last_ - j) * lanes_;
+        Isa::meet_all(column, lanes_, found.lowest, found.candidates);
+        return found;
+      }
+    }
     int i = std::max(j - last_, 1 - kLanes);
     std::array<Lane, kCount> numbers;
     for (std::size_t k = 0; k < kCount; ++k) {

@@ -6,6 +6,7 @@
 #include "dsp/base/check.h"
 #include "dsp/base/lanes_neon.h"
 #include "dsp/base/mutation.h"
+#include "dsp/stereo/search/right_winners_body.h"
 
 namespace stof::dsp::neon {
 namespace {
@@ -66,87 +67,104 @@ void find_right_winners(std::span<const std::uint32_t> costs, std::size_t lanes,
   }
 }
 
-void store_last(std::uint8_t* to, uint8x16_t v) noexcept { vst1q_lane_u8(to, v, 15); }
-void store_last(std::uint16_t* to, uint16x8_t v) noexcept { vst1q_lane_u16(to, v, 7); }
+// kNoWinner where missing.
+void store_winners(uint8x16_t candidates, uint8x16_t missing, std::int16_t* winners) noexcept {
+  const int8x16_t none = vreinterpretq_s8_u8(missing);  // all ones stay all ones
+  const auto widened = [](uint8x8_t half, int8x8_t none_of) noexcept {
+    return vorrq_s16(vreinterpretq_s16_u16(vmovl_u8(half)), vmovl_s8(none_of));
+  };
+  vst1q_s16(winners, widened(vget_low_u8(candidates), vget_low_s8(none)));
+  vst1q_s16(winners + 8, widened(vget_high_u8(candidates), vget_high_s8(none)));
+}
+void store_winners(uint16x8_t candidates, uint16x8_t missing, std::int16_t* winners) noexcept {
+  vst1q_s16(winners, vreinterpretq_s16_u16(vorrq_u16(candidates, missing)));
+}
 
-// The right pixels that one column's candidates meet move by one from column to column. A window of
-// them, kVectors vectors from candidate `first` on, stays in registers: one pixel enters it with
-// what smaller candidates left behind, one leaves it. (In memory each column would wait for the
-// stores of the one before.)
-template <typename Sum, std::size_t kVectors>
-void scan_window(std::span<const Sum> costs, std::size_t lanes, std::size_t first, Sum* lowest,
-                 Sum* best) noexcept {
+template <typename Sum>
+struct RightLanes : Lanes<Sum> {
   using L = Lanes<Sum>;
   using V = typename L::V;
-  constexpr std::size_t kStep = L::kLanes;
-  constexpr std::size_t kLast = kVectors * kStep - 1;
-  const std::size_t n = costs.size() / lanes;
-  V low[kVectors];
-  V win[kVectors];
-  V candidates[kVectors];
-  for (std::size_t v = 0; v < kVectors; ++v) {
-    low[v] = L::load(lowest + n - 1 + first + v * kStep);
-    win[v] = L::load(best + n - 1 + first + v * kStep);
-    candidates[v] = L::numbers() + L::all(static_cast<Sum>(first + v * kStep));
-  }
-  for (std::size_t x = 0; x < n; ++x) {
-    const std::size_t j = n - 1 - x + first;
-    if (x > 0) {
-      for (std::size_t v = kVectors - 1; v > 0; --v) {
-        low[v] = L::one_up(low[v - 1], low[v]);
-        win[v] = L::one_up(win[v - 1], win[v]);
-      }
-      low[0] = L::one_up(L::all(lowest[j]), low[0]);
-      win[0] = L::one_up(L::all(best[j]), win[0]);
-    }
-    for (std::size_t v = 0; v < kVectors; ++v) {
-      const V cost = L::load(costs.data() + x * lanes + first + v * kStep);
-      win[v] = L::select(L::less(cost, low[v]), candidates[v], win[v]);
-      low[v] = L::smaller(low[v], cost);
-    }
-    store_last(lowest + j + kLast, low[kVectors - 1]);
-    store_last(best + j + kLast, win[kVectors - 1]);
-  }
-  for (std::size_t v = 0; v < kVectors; ++v) {
-    L::store(lowest + first + v * kStep, low[v]);
-    L::store(best + first + v * kStep, win[v]);
-  }
-}
 
-// best: candidates, as far as lowest is not kNoCost.
+  static V either(V a, V b) noexcept { return a | b; }
+  static V next(V v) noexcept { return v + L::all(1); }
+  static void meet(V costs, V candidate, V& lowest, V& winner) noexcept {
+    winner = L::select(L::less(costs, lowest), candidate, winner);
+    lowest = L::smaller(lowest, costs);
+  }
+  static void meet_all(const Sum* column, std::ptrdiff_t lanes, V& lowest, V& winner) noexcept {
+    constexpr int kCount = static_cast<int>(L::kLanes);
+    V first = L::numbers() - L::all(kCount);  // of eight candidates
+    const Sum* at = column - kCount * lanes;
+    meet_eights<Part::kBegin>(at, lanes, first, lowest, winner);
+    for (at = column; at < column + (lanes - kCount) * (lanes + 1); at += 8 * (lanes + 1)) {
+      meet_eight<Part::kMiddle, 0>(at, lanes + 1, first, lowest, winner);
+    }
+    meet_eights<Part::kEnd>(at, lanes, first, lowest, winner);
+  }
+  static void store(V lowest, V winner, Sum* to_lowest, std::int16_t* to_winners) noexcept {
+    L::store(to_lowest, lowest);
+    store_winners(winner, L::equal(lowest, L::all(kNoCost<Sum>)), to_winners);
+  }
+
+ private:
+  enum class Part : std::uint8_t { kBegin, kMiddle, kEnd };
+
+  // Of a vector that begins before the candidates of a column, or ends behind them, the rest:
+  // all but the first kShift lanes are what a column begins with, or all but the last ones what it
+  // ends with.
+  template <Part kPart, int kShift>
+  static V costs_at(const Sum* at) noexcept {
+    const V costs = L::load(at);
+    if constexpr (kPart == Part::kBegin) {
+      return L::template joined<kShift>(L::all(kNoCost<Sum>), costs);
+    } else if constexpr (kPart == Part::kEnd) {
+      return L::template joined<kShift>(costs, L::all(kNoCost<Sum>));
+    } else {
+      return costs;
+    }
+  }
+
+  // The kLanes candidates of which not all pixels have each.
+  template <Part kPart>
+  static void meet_eights(const Sum*& at, std::ptrdiff_t lanes, V& first, V& lowest,
+                          V& winner) noexcept {
+    meet_eight<kPart, 0>(at, lanes, first, lowest, winner);
+    at += 8 * lanes;
+    if constexpr (L::kLanes == 16) {
+      meet_eight<kPart, 8>(at, lanes, first, lowest, winner);
+      at += 8 * lanes;
+    }
+  }
+
+  // Eight candidates: winners are numbered within them first, and these numbers stay in registers.
+  template <Part kPart, int kShift>
+  static void meet_eight(const Sum* at, std::ptrdiff_t step, V& first, V& lowest,
+                         V& winner) noexcept {
+    const V before = lowest;
+    V number = L::all(0);
+    lowest = L::smaller(lowest, costs_at<kPart, kShift>(at));
+    meet_next<kPart, kShift + 1, 1>(at + step, lowest, number);
+    meet_next<kPart, kShift + 2, 2>(at + 2 * step, lowest, number);
+    meet_next<kPart, kShift + 3, 3>(at + 3 * step, lowest, number);
+    meet_next<kPart, kShift + 4, 4>(at + 4 * step, lowest, number);
+    meet_next<kPart, kShift + 5, 5>(at + 5 * step, lowest, number);
+    meet_next<kPart, kShift + 6, 6>(at + 6 * step, lowest, number);
+    meet_next<kPart, kShift + 7, 7>(at + 7 * step, lowest, number);
+    winner = L::select(L::less(lowest, before), first + number, winner);
+    first = first + L::all(8);
+  }
+  template <Part kPart, int kShift, Sum kNumber>
+  static void meet_next(const Sum* at, V& lowest, V& number) noexcept {
+    const V costs = costs_at<kPart, kShift>(at);
+    number = L::select(L::less(costs, lowest), L::all(kNumber), number);
+    lowest = L::smaller(lowest, costs);
+  }
+};
+
 template <typename Sum>
-void scan_windows(std::span<const Sum> costs, std::size_t lanes, std::span<Sum> lowest,
-                  Sum* best) noexcept {
-  constexpr std::size_t kStep = Lanes<Sum>::kLanes;
-  std::ranges::fill(lowest, kNoCost<Sum>);
-  std::size_t first = 0;
-  for (; first + 4 * kStep <= lanes; first += 4 * kStep) {
-    scan_window<Sum, 4>(costs, lanes, first, lowest.data(), best);
-  }
-  for (; first < lanes; first += kStep) {
-    scan_window<Sum, 1>(costs, lanes, first, lowest.data(), best);
-  }
-}
-
-void find_right_winners(std::span<const std::uint16_t> costs, std::size_t lanes,
-                        std::span<std::uint16_t> lowest, std::span<std::int16_t> winners) noexcept {
-  auto* const best = reinterpret_cast<std::uint16_t*>(winners.data());  // NOLINT: the same numbers
-  std::ranges::fill(winners, kNoWinner);
-  scan_windows(costs, lanes, lowest, best);
-}
-
-// Candidates fit bytes too: those are the second half of the winners' own memory until they become
-// winners in place.
-void find_right_winners(std::span<const std::uint8_t> costs, std::size_t lanes,
-                        std::span<std::uint8_t> lowest, std::span<std::int16_t> winners) noexcept {
-  const std::span<std::byte> memory = std::as_writable_bytes(winners).last(winners.size());
-  auto* const best = reinterpret_cast<std::uint8_t*>(memory.data());  // NOLINT: bytes are bytes
-  std::ranges::fill(memory, std::byte{0});
-  scan_windows(costs, lanes, lowest, best);
-  for (std::size_t j = 0; j < winners.size(); ++j) {
-    const std::int16_t candidate = best[j];
-    winners[j] = lowest[j] == kNoCost<std::uint8_t> ? kNoWinner : candidate;
-  }
+void find_right_winners(std::span<const Sum> costs, std::size_t lanes, std::span<Sum> lowest,
+                        std::span<std::int16_t> winners) noexcept {
+  right_winners_body::find<RightLanes<Sum>>(costs, static_cast<int>(lanes), lowest, winners);
   mutate(winners);
 }
 

@@ -199,6 +199,22 @@ constexpr std::array kAfter{
         "discovery", "mdns", "answers to multicast DNS, service _stof._udp")),
     by_admin(yes_or_no<[](auto& s) -> auto& { return s.discovery.beacon; }>(
         "discovery", "beacon", "tells once a second by broadcast where it is")),
+    by_admin(yes_or_no<[](auto& s) -> auto& { return s.network.dhcp; }>(
+        "network", "dhcp",
+        "the sensor asks a DHCP server for an address; this group: image alone")),
+    by_admin(yes_or_no<[](auto& s) -> auto& { return s.network.link_local; }>(
+        "network", "link_local",
+        "where there is no other address, it takes one of 169.254.0.0/16 (RFC 3927)")),
+    by_admin(text<[](auto& s) -> auto& { return s.network.address; }>(
+        Kind::kInterface, "network", "address", 0, kInterfaceBytes,
+        "fixed address with the bits of its network, also beside that of DHCP; empty: none",
+        Applies::kNow)),
+    by_admin(text<[](auto& s) -> auto& { return s.network.gateway; }>(
+        Kind::kIpv4, "network", "gateway", 0, kIpv4Bytes,
+        "of that network to all others; empty: none, or that of DHCP", Applies::kNow)),
+    by_admin(text<[](auto& s) -> auto& { return s.network.hostname; }>(
+        Kind::kHostname, "network", "hostname", 1, kHostnameBytes, "what a DHCP server is told",
+        Applies::kNow)),
     by_admin(whole<[](auto& s) -> auto& { return s.compute.threads; }>(
         "compute", "threads", 0, kMostThreads, "",
         "threads that compute depth; 0: one for each processor, at most 4", Applies::kRestart)),

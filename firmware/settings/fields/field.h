@@ -17,10 +17,13 @@ namespace stof::settings {
 enum class Kind : std::uint8_t {
   kInteger,  // low .. high
   kBoolean,
-  kChoice,  // one of `values`
-  kText,    // UTF-8 of low .. high bytes, without quotes, backslashes and control characters
-  kDevice,  // the name of a device below /dev/ of at most `high` bytes, or nothing
-  kMatch,   // what dsp::MatchOption takes, as string, number or boolean; "preset": as the preset
+  kChoice,     // one of `values`
+  kText,       // UTF-8 of low .. high bytes, without quotes, backslashes and control characters
+  kDevice,     // the name of a device below /dev/ of at most `high` bytes, or nothing
+  kInterface,  // A.B.C.D/BITS, or nothing
+  kIpv4,       // A.B.C.D, or nothing
+  kHostname,   // a label of RFC 1123
+  kMatch,      // what dsp::MatchOption takes, as string, number or boolean; "preset": as the preset
 };
 
 enum class Applies : std::uint8_t { kNow, kRestart };

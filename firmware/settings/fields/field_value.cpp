@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "dsp/base/parse_number.h"
+#include "firmware/settings/fields/network_text.h"
 #include "firmware/settings/text/utf8.h"
 
 namespace stof::settings {
@@ -41,6 +42,18 @@ bool set_text(const Field& field, std::string_view text, Settings& settings) noe
   }
   field.set_text(text, settings);
   return true;
+}
+
+// Empty where it may be.
+bool set_network_text(const Field& field, std::string_view text, Settings& settings) noexcept {
+  const bool good = (text.empty() && field.low == 0) ||
+                    (field.kind == Kind::kInterface && parse_interface_address(text)) ||
+                    (field.kind == Kind::kIpv4 && parse_ipv4(text)) ||
+                    (field.kind == Kind::kHostname && is_hostname(text));
+  if (good) {
+    field.set_text(text, settings);
+  }
+  return good;
 }
 
 // Numbers are kept as they are written out again: 7, never 007.
@@ -87,6 +100,10 @@ bool assign(const Field& field, const Value& value, Settings& settings) noexcept
     case Kind::kText:
     case Kind::kDevice:
       return (bare || written == Written::kString) && set_text(field, value.text, settings);
+    case Kind::kInterface:
+    case Kind::kIpv4:
+    case Kind::kHostname:
+      return (bare || written == Written::kString) && set_network_text(field, value.text, settings);
     case Kind::kMatch:
       return (bare || written == Written::kString || written == Written::kNumber ||
               written == Written::kBoolean) &&
@@ -117,6 +134,16 @@ void write_takes(const Field& field, PagedWriter& out) noexcept {
     case Kind::kDevice:
       out << "a name below /dev/ of at most " << field.high << " bytes, or nothing";
       break;
+    case Kind::kInterface:
+      out << "an address of a host with the bits of its network, such as 192.168.7.2/24 (8 to 30 "
+             "bits), or nothing";
+      break;
+    case Kind::kIpv4:
+      out << "an address such as 192.168.7.1, or nothing";
+      break;
+    case Kind::kHostname:
+      out << "1 to " << field.high << " small letters, digits and hyphens, no hyphen at the ends";
+      break;
     case Kind::kMatch:
       out << field.option->values << ", or " << kAsPreset;
       break;
@@ -136,6 +163,9 @@ void write_value(const Field& field, const Settings& settings, PagedWriter& out)
       break;
     case Kind::kText:
     case Kind::kDevice:
+    case Kind::kInterface:
+    case Kind::kIpv4:
+    case Kind::kHostname:
       out << '"' << field.text(settings) << '"';
       break;
     case Kind::kMatch: {

@@ -98,6 +98,15 @@ class SchemaWriter {
             << R"(, "maxLength": )" << field.high
             << R"(, "pattern": "^(/dev/(?!.*\\.\\.)[^\u0000-\u001f\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\"\\\\]+)?$")";
         break;
+      case Kind::kInterface:
+        out_ << R"(, "pattern": "^([0-9]{1,3}(\\.[0-9]{1,3}){3}/[0-9]{1,2})?$")";
+        break;
+      case Kind::kIpv4:
+        out_ << R"(, "pattern": "^([0-9]{1,3}(\\.[0-9]{1,3}){3})?$")";
+        break;
+      case Kind::kHostname:
+        out_ << R"(, "pattern": "^[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?$")";
+        break;
       case Kind::kBoolean:
       case Kind::kMatch:
         break;

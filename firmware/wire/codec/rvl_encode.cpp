@@ -46,6 +46,48 @@ constexpr Nibbles joined(Nibbles first, Nibbles second) noexcept {
   return {.bits = first.bits | (second.bits << first.count), .count = first.count + second.count};
 }
 
+// Vectors that compilers make of what each processor has; a true mask is all ones.
+using U8x8 [[gnu::vector_size(8)]] = std::uint8_t;
+using I8x8 [[gnu::vector_size(8)]] = std::int8_t;
+using U16x8 [[gnu::vector_size(16)]] = std::uint16_t;
+using I16x8 [[gnu::vector_size(16)]] = std::int16_t;
+
+template <typename V, typename T>
+[[gnu::always_inline]] inline V load_eight(const T* from) noexcept {
+  V v;
+  std::memcpy(&v, from, sizeof v);
+  return v;
+}
+[[gnu::always_inline]] inline U16x8 wide(U16x8 v) noexcept { return v; }
+[[gnu::always_inline]] inline U16x8 wide(U8x8 v) noexcept {
+  return __builtin_convertvector(v, U16x8);
+}
+
+// Eight values and the ones before them. from[-1] is one, too.
+template <typename T>
+struct Eight {
+  using V = std::conditional_t<sizeof(T) == 1, U8x8, U16x8>;
+  using Signed = std::conditional_t<sizeof(T) == 1, I8x8, I16x8>;
+
+  [[gnu::always_inline]] explicit Eight(const T* from) noexcept
+      : value(load_eight<V>(from)), before(load_eight<V>(from - 1)) {}
+
+  // rvl_zigzag() of each.
+  [[gnu::always_inline]] U16x8 numbers() const noexcept {
+    constexpr int kTop = 8 * sizeof(T) - 1;
+    const V difference = value - before;
+    const V sign = std::bit_cast<V>(std::bit_cast<Signed>(difference) >> kTop);
+    return wide(V((difference << 1) ^ sign));
+  }
+
+  V value;
+  V before;
+};
+
+[[gnu::always_inline]] inline U16x8 mask_above(U16x8 v, std::uint16_t bound) noexcept {
+  return std::bit_cast<U16x8>(v > bound);
+}
+
 // Writes nibbles, in the order of rvl_numbers.h; the caller has seen that they fit.
 class Writer {
  public:
@@ -255,30 +297,42 @@ STOF_WIRE_AVX2 RvlFit fit_avx2(std::span<const T> values, std::size_t first_row,
   return Encoder<T>(values, first_row, row, out).run();
 }
 
-// Numbers from there on have a nibble more; with their signs turned, as vectors compare signed
-// ones.
-constexpr std::array<std::int32_t, 5> kLongerFrom{8, 64, 512, 4096, 32'768};
-constexpr std::uint16_t kTop = 0x8000;
+// The largest numbers of one nibble, of two and so on.
+constexpr std::array<std::uint16_t, 5> kLargest{7, 63, 511, 4095, 32'767};
 
-// Sums of 16 bits, without a branch: compilers make vectors of them.
+// What each value behind the first one takes at least: its difference, and where a run begins with
+// it, a nibble of that run's length.
 template <typename T>
-std::uint32_t sum_of_least(std::span<const T> values) noexcept {
-  constexpr std::size_t kLevels = sizeof(T) == 1 ? 2 : kLongerFrom.size();
-  const auto count = values.size();
-  const T* const at = values.data();
-  std::uint16_t sum = at[0] != 0 ? 1 : 0;
-  for (std::size_t i = 1; i < count; ++i) {
-    const T value = at[i];
-    const T before = at[i - 1];
-    const auto number =
-        static_cast<std::int16_t>(static_cast<std::uint16_t>(rvl_zigzag(value, before)) ^ kTop);
-    std::int16_t longer = 0;
-    for (std::size_t level = 0; level < kLevels; ++level) {
-      const auto below = static_cast<std::int16_t>(kLongerFrom[level] - 1 - kTop);
-      longer = static_cast<std::int16_t>(longer + (number > below ? 1 : 0));
-    }
-    const auto nibbles = static_cast<std::int16_t>(1 + (before == 0 ? 0 : longer));
-    sum = static_cast<std::uint16_t>(sum + (value == 0 ? 0 : nibbles));
+[[gnu::always_inline]] inline U16x8 least_of(const Eight<T>& eight) noexcept {
+  constexpr std::size_t kLevels = sizeof(T) == 1 ? 2 : kLargest.size();
+  const U16x8 numbers = eight.numbers();
+  U16x8 longer{};  // what is added to one nibble, negative
+  for (std::size_t level = 0; level < kLevels; ++level) {
+    longer += mask_above(numbers, kLargest[level]);
+  }
+  const U16x8 zero = std::bit_cast<U16x8>(wide(eight.value) == 0);
+  const U16x8 behind_zero = std::bit_cast<U16x8>(wide(eight.before) == 0);
+  return ((1 - (longer & ~behind_zero)) & ~zero) - (zero ^ behind_zero);
+}
+template <typename T>
+std::uint32_t least_of(T value, T before) noexcept {
+  const std::uint32_t nibbles = before == 0 ? 1 : rvl_spread(rvl_zigzag(value, before)).nibbles;
+  return (value == 0 ? 0 : nibbles) + ((value == 0) != (before == 0) ? 1 : 0);
+}
+
+template <typename T>
+[[gnu::always_inline]] inline std::uint32_t sum_of_least(std::span<const T> values) noexcept {
+  U16x8 sums{};
+  std::size_t i = 1;
+  for (; i + 8 <= values.size(); i += 8) {
+    sums += least_of(Eight<T>(values.data() + i));
+  }
+  std::uint32_t sum = values.front() != 0 ? 1 : 0;
+  for (int lane = 0; lane < 8; ++lane) {
+    sum += sums[lane];
+  }
+  for (; i < values.size(); ++i) {
+    sum += least_of(values[i], values[i - 1]);
   }
   return sum;
 }
@@ -307,7 +361,7 @@ RvlCoded rvl_encode(std::span<const T> values, std::span<std::byte> out) noexcep
 
 template <typename T>
 std::uint32_t rvl_least_nibbles(std::span<const T> values) noexcept {
-  constexpr std::size_t kPiece = 8192;  // its sum stays below 2^16
+  constexpr std::size_t kPiece = 8192;  // sums of an eighth of it stay below 2^16
   std::uint32_t nibbles = 0;
   for (std::size_t begin = 0; begin < values.size(); begin += kPiece) {
     const auto piece = values.subspan(begin, std::min(kPiece, values.size() - begin));

@@ -47,7 +47,8 @@ RvlFit rvl_fit(std::span<const T> values, std::size_t first_row, std::size_t row
 std::size_t rvl_bytes(const RvlCut& cut) noexcept;
 std::size_t rvl_finish(const RvlCut& cut, std::span<std::byte> out) noexcept;
 
-// Nibbles that the code of these values has at least, wherever they lie in a sequence.
+// Nibbles that the code of these values has at least, wherever they lie in a sequence: lengths of
+// runs count as one nibble, where a run begins behind the first value.
 template <typename T>
 std::uint32_t rvl_least_nibbles(std::span<const T> values) noexcept;
 

@@ -55,6 +55,20 @@ Secret PairSecrets::secret() const noexcept {
   return digest_of(master_, {purpose("stof pairing 1 key"), transcript_});
 }
 
+void put_offer(const PairOffer& offer, std::span<std::uint8_t, 32> value) noexcept {
+  const std::span<std::byte, 32> bytes = std::as_writable_bytes(value);
+  put_u32(bytes.first<4>(), offer.digits);
+  put_u8(bytes.subspan<4, 1>(), static_cast<std::uint8_t>(offer.role));
+  std::ranges::copy(offer.from, value.subspan<8, 16>().begin());
+}
+
+PairOffer offer_in(std::span<const std::uint8_t, 32> value) noexcept {
+  PairOffer offer{.digits = get_u32(std::as_bytes(value).first<4>()),
+                  .role = static_cast<Role>(value[4])};
+  std::ranges::copy(value.subspan<8, 16>(), offer.from.begin());
+  return offer;
+}
+
 void put_bytes(std::span<const std::byte> bytes, std::span<std::uint8_t> field) noexcept {
   std::ranges::copy(bytes, std::as_writable_bytes(field).begin());
 }

@@ -57,6 +57,16 @@ class PairSecrets {
   Secret master_;
 };
 
+// What whoever accepts the digits at the sensor agrees to: in the answer `waiting` to who holds the
+// cable.
+struct PairOffer {
+  std::uint32_t digits = 0;
+  Role role = Role::kNone;              // that the key gets; kNone: of a sensor that does not tell
+  std::array<std::uint8_t, 16> from{};  // who began, as in hal::Peer; all 0: over the cable
+};
+void put_offer(const PairOffer& offer, std::span<std::uint8_t, 32> value) noexcept;
+PairOffer offer_in(std::span<const std::uint8_t, 32> value) noexcept;
+
 // Of a field of the messages, which begins with them, and back.
 template <typename Bytes>
 Bytes bytes_in(std::span<const std::uint8_t> field) noexcept {

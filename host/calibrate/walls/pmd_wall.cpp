@@ -183,6 +183,22 @@ dataset::Loaded<WallRecording> read_wall(const std::filesystem::path& prefix) {
   return wall;
 }
 
+std::expected<void, dataset::Problem> write_wall(const std::filesystem::path& prefix,
+                                                 const WallRecording& wall) {
+  if (std::expected<void, dataset::Problem> written = dataset::write_pmd(prefix, wall.recording);
+      !written) {
+    return written;
+  }
+  const std::filesystem::path file = dataset::file_of(prefix, ".json");
+  dataset::Loaded<json> root = dataset::read_object(file);
+  if (!root) {
+    return std::unexpected(std::move(root.error()));
+  }
+  (*root)["z_m"] = wall.z_m;
+  (*root)["int_scale"] = wall.exposure;
+  return dataset::write_whole(file, root->dump(2) + "\n");
+}
+
 std::string mixed(const WallRecording& a, const WallRecording& b) {
   const dsp::PmdSensor& one = a.recording.calibration.pmd;
   const dsp::PmdSensor& two = b.recording.calibration.pmd;

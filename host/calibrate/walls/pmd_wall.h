@@ -58,6 +58,11 @@ dataset::Loaded<std::vector<std::filesystem::path>> list_walls(const std::filesy
 // behind.
 dataset::Loaded<WallRecording> read_wall(const std::filesystem::path& prefix);
 
+// Writes what read_wall() reads, into a folder that exists: the recording, with the wall's
+// distance.
+std::expected<void, dataset::Problem> write_wall(const std::filesystem::path& prefix,
+                                                 const WallRecording& wall);
+
 // Empty, or why both cannot be recordings of one camera.
 std::string mixed(const WallRecording& a, const WallRecording& b);
 

@@ -175,7 +175,23 @@ class Session {
     return done(ask(operation, text), what);
   }
 
+  // Tells the new name, too: by the former one nobody finds the sensor any more.
+  std::string reset() {
+    const std::string former = name_in(Document::kActive);
+    const std::string name = name_in(Document::kDefaults);
+    client::ControlAnswer answer = ask(Operation::kReset);
+    if (name != former) {
+      add_note("it was called \"" + former + "\" and is called \"" + name + "\" now", answer.text);
+    }
+    return done(answer, "every setting at its default, until the next start: save keeps it");
+  }
+
  private:
+  std::string name_in(Document document) {
+    const Json name = read(document).value("name", Json());
+    return name.is_string() ? name.get<std::string>() : "";
+  }
+
   static std::vector<std::string> pieces(Words words) {
     return settings_pieces(settings_from_words(words), client::ControlClient::kMaxText);
   }
@@ -248,8 +264,7 @@ std::string act(Session& session, const std::string& action, Words words, const 
     return session.change(Operation::kSave, {}, "saved");
   }
   if (action == "reset") {
-    return session.change(Operation::kReset, {},
-                          "every setting at its default, until the next start: save keeps it");
+    return session.reset();
   }
   return action == "diff" ? session.diff() : session.schema();
 }

@@ -22,6 +22,13 @@ std::string silence(const client::LinkState& link) {
                          : std::string("no frame came yet"));
 }
 
+std::string sends_again(unsigned further) {
+  return "link: the sensor sends again" +
+         (further == 0
+              ? ""
+              : printed(", it was silent %u %s more", further, further == 1 ? "time" : "times"));
+}
+
 }  // namespace
 
 std::string age_text(const std::optional<client::Duration>& age) {
@@ -29,7 +36,7 @@ std::string age_text(const std::optional<client::Duration>& age) {
 }
 
 std::string LinkTeller::look(const client::LinkState& link,
-                             const std::optional<wire::HealthReport>& health) {
+                             const std::optional<wire::HealthReport>& health, client::Time now) {
   std::string line;
   begun_ = begun_ || link.frame_age || link.health_age;
   const bool told = std::exchange(restarted_, link.restarted);
@@ -39,10 +46,15 @@ std::string LinkTeller::look(const client::LinkState& link,
   }
   if (begun_ && link.silent != std::exchange(silent_, link.silent)) {
     silences_ += link.silent ? 1U : 0U;
-    add_to(line,
-           link.silent ? silence(link) + last_health(link, health)
-                       : std::string("link: the sensor sends again"),
-           "\n");
+    sends_since_ = now;
+    if (link.silent && !std::exchange(silence_told_, true)) {
+      told_silences_ = silences_;
+      add_to(line, silence(link) + last_health(link, health), "\n");
+    }
+  }
+  if (silence_told_ && !silent_ && now - sends_since_ >= kSettled) {
+    silence_told_ = false;
+    add_to(line, sends_again(silences_ - told_silences_), "\n");
   }
   return line;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
 
@@ -11,13 +12,16 @@ namespace stof::host {
 // "0.4 s"; "unknown" where there is none.
 std::string age_text(const std::optional<client::Duration>& age);
 
-// Tells at once, and once each, that a sensor fell silent, sends again, or started again.
+// Tells at once that a sensor fell silent or started again, and that it sends again when it did so
+// for kSettled: one whose frames come late again and again is two lines, not two for each gap.
 class LinkTeller {
  public:
-  // A line where something changed since the last call, with the age of the last health; else
-  // empty. Nothing is told before its first
-  // frame or health.
-  std::string look(const client::LinkState& link, const std::optional<wire::HealthReport>& health);
+  static constexpr client::Duration kSettled = std::chrono::seconds(1);
+
+  // A line where something is to be told since the last call, with the age of the last health; else
+  // empty. Nothing is told before its first frame or health. `now` never goes back.
+  std::string look(const client::LinkState& link, const std::optional<wire::HealthReport>& health,
+                   client::Time now);
 
   unsigned silences() const noexcept { return silences_; }
   unsigned restarts() const noexcept { return restarts_; }
@@ -25,8 +29,11 @@ class LinkTeller {
  private:
   bool begun_ = false;  // something of it has come
   bool silent_ = false;
+  bool silence_told_ = false;  // until "sends again"
   bool restarted_ = false;
+  client::Time sends_since_{};
   unsigned silences_ = 0;
+  unsigned told_silences_ = 0;  // silences_ when the last one was told
   unsigned restarts_ = 0;
 };
 

@@ -28,7 +28,8 @@ void Reception::run(const std::function<bool()>& done) {
         listener_.event(*event);
       }
     }
-    const std::string change = teller_.look(receiver_.link(), receiver_.health());
+    const std::string change =
+        teller_.look(receiver_.link(), receiver_.health(), client::Time::clock::now());
     if (!change.empty() && listener_.line) {
       listener_.line(change);
     }

@@ -55,7 +55,8 @@ class Recording {
       take(receiver_.next(kLook));
       take_raw();
       take_beside();
-      if (const std::string change = teller_.look(receiver_.link(), receiver_.health());
+      if (const std::string change =
+              teller_.look(receiver_.link(), receiver_.health(), client::Time::clock::now());
           !change.empty()) {
         say(change);
       }

@@ -5,6 +5,7 @@
 #include "host/calibrate/rig/exchange/exchange.h"
 #include "host/calibrate/rig/target/target_calibration.h"
 #include "host/cli/failure.h"
+#include "host/cli/json_output.h"
 #include "host/cli/rig/calib_rig.h"
 
 namespace stof::host {
@@ -40,6 +41,15 @@ void calib_import(const CalibExchangeOptions& options) {
   }
   const dsp::Calibration rig = with_pair(start.calibration, pair);
   value_or_fail(write_calibration(options.out, rig));
+  if (options.json) {
+    say_json({{"file", options.out.string()},
+              {"format", options.format},
+              {"width", pair.left.width},
+              {"height", pair.left.height},
+              {"baseline_m", rig.stereo.baseline_m},
+              {"rectified_focal_px", rig.stereo.left.fx}});
+    return;
+  }
   std::printf("%s: %dx%d, baseline %.4f m, rectified focal length %.2f px\n", options.out.c_str(),
               pair.left.width, pair.left.height, rig.stereo.baseline_m, rig.stereo.left.fx);
 }
@@ -52,15 +62,22 @@ void calib_export(const CalibExchangeOptions& options) {
                                        ": has no raw pair, which these formats hold: calibrate it "
                                        "with stof calib stereo --target");
   }
+  std::vector<std::string> files{options.out.string()};
   if (options.format == "ros") {
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
-    value_or_fail(dataset::write_whole(options.out / "left.yaml", ros_text(*pair, false)));
-    value_or_fail(dataset::write_whole(options.out / "right.yaml", ros_text(*pair, true)));
+    files = {(options.out / "left.yaml").string(), (options.out / "right.yaml").string()};
+    value_or_fail(dataset::write_whole(files[0], ros_text(*pair, false)));
+    value_or_fail(dataset::write_whole(files[1], ros_text(*pair, true)));
   } else {
     const std::string text =
         options.format == "kalibr" ? value_or_fail(kalibr_text(*pair)) : opencv_text(*pair);
     value_or_fail(dataset::write_whole(options.out, text));
+  }
+  if (options.json) {
+    say_json(
+        {{"calibration", options.start.string()}, {"format", options.format}, {"files", files}});
+    return;
   }
   std::printf("%s\n", options.out.c_str());
 }

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdio>
 
 #include "host/calibrate/calibration_store.h"
@@ -41,17 +42,80 @@ void refuse_two_sources(const char* command, const CalibFolderOptions& options) 
   }
 }
 
-ExtrinsicFit by_walls(const CalibFolderOptions& options, const dsp::Calibration& rig) {
+using nlohmann::ordered_json;
+
+// The place that was found: X_pair = R X_pmd + T, covariance in rad and m (rotation vector, then
+// translation).
+ordered_json place_json(const CalibFolderOptions& options, const ExtrinsicFit& fit) {
+  const dsp::RigidTransform place = transform_of(fit.pmd_to_stereo);
+  ordered_json covariance = ordered_json::array();
+  ordered_json sigma = ordered_json::array();
+  for (Eigen::Index i = 0; i < fit.covariance.rows(); ++i) {
+    ordered_json row = ordered_json::array();
+    for (Eigen::Index k = 0; k < fit.covariance.cols(); ++k) {
+      row.push_back(fit.covariance(i, k));
+    }
+    covariance.push_back(row);
+    sigma.push_back(std::sqrt(fit.covariance(i, i)));
+  }
+  return {{"file", options.out.string()},
+          {"calibration", options.calibration.string()},
+          {"rotation", place.rotation},
+          {"translation_m", place.translation_m},
+          {"sigma", sigma},
+          {"covariance", covariance}};
+}
+
+ordered_json walls_json(const CalibFolderOptions& options, const ExtrinsicFit& fit,
+                        const FoundWalls& found, const std::vector<std::string>& missing) {
+  ordered_json json = place_json(options, fit);
+  json["misfit"] = fit.misfit;
+  json["pmd_offset_mm"] = fit.offset_m * kMmPerMetre;
+  json["pmd_offset_sigma_mm"] = fit.offset_sigma_m * kMmPerMetre;
+  json["walls"] = ordered_json::array();
+  for (std::size_t n = 0; n < found.walls.size(); ++n) {
+    const SeenWall& wall = found.walls[n];
+    json["walls"].push_back({{"name", wall.name},
+                             {"off_sigmas", fit.wall_misfit[n]},
+                             {"pair_share", wall.stereo.share},
+                             {"pmd_share", wall.pmd.share}});
+  }
+  json["left_out"] = found.refused;
+  json["missing"] = missing;
+  return json;
+}
+
+ordered_json boards_json(const CalibFolderOptions& options, const ExtrinsicFit& fit,
+                         const PmdBoardViews& found) {
+  ordered_json json = place_json(options, fit);
+  json["views"] = ordered_json::array();
+  for (std::size_t n = 0; n < found.views.size(); ++n) {
+    json["views"].push_back(
+        {{"name", found.views[n].pair.name}, {"off_sigmas", fit.wall_misfit[n]}});
+  }
+  json["left_out"] = found.refused;
+  return json;
+}
+
+// The place, and what is printed of it once it is written where JSON is asked for.
+struct Placed {
+  ExtrinsicFit fit;
+  ordered_json json;
+};
+
+Placed by_walls(const CalibFolderOptions& options, const dsp::Calibration& rig) {
   const FoundWalls found =
       walls_of(value_or_fail(read_looks(options.folder, rig, search_of(options))));
   const std::vector<std::string> missing = missing_tilts(found.walls);
   const std::optional<ExtrinsicFit> fit =
       fit_extrinsics(found.walls, {.offset_sigma_m = options.offset_mm / kMmPerMetre});
-  if (fit) {
-    std::printf("%s", extrinsics_text(*fit, found).c_str());
+  if (!options.json) {
+    if (fit) {
+      std::printf("%s", extrinsics_text(*fit, found).c_str());
+    }
+    print("left out", found.refused);
+    print("missing", missing);
   }
-  print("left out", found.refused);
-  print("missing", missing);
   if (!fit || (!missing.empty() && !options.force)) {
     throw Failure(
         Exit::kBadInput,
@@ -59,10 +123,10 @@ ExtrinsicFit by_walls(const CalibFolderOptions& options, const dsp::Calibration&
             (missing.empty() ? "the walls do not tell where the PMD camera is" : missing.front()) +
             ": add such walls, no file is written" + (fit ? "; or give --force" : ""));
   }
-  return *fit;
+  return {*fit, walls_json(options, *fit, found, missing)};
 }
 
-ExtrinsicFit by_boards(const CalibFolderOptions& options, const dsp::Calibration& rig) {
+Placed by_boards(const CalibFolderOptions& options, const dsp::Calibration& rig) {
   if (rig.stereo.converging) {
     throw Failure(Exit::kBadInput, options.calibration.string() +
                                        ": is of a pair whose axes converge: use walls, without "
@@ -75,7 +139,9 @@ ExtrinsicFit by_boards(const CalibFolderOptions& options, const dsp::Calibration
                                        "of large squares");
   }
   const PmdBoardViews found = value_or_fail(read_board_views(options.folder, rig, board));
-  print("left out", found.refused);
+  if (!options.json) {
+    print("left out", found.refused);
+  }
   const std::optional<ExtrinsicFit> fit =
       fit_extrinsics(board, found.views, fixed_pair(rig.stereo), rig.pmd.lens);
   if (!fit) {
@@ -84,12 +150,14 @@ ExtrinsicFit by_boards(const CalibFolderOptions& options, const dsp::Calibration
                                        " views show the whole board to all three cameras, 5 are "
                                        "needed: add such views");
   }
-  std::printf("%s", board_extrinsics_text(*fit, found).c_str());
-  return *fit;
+  if (!options.json) {
+    std::printf("%s", board_extrinsics_text(*fit, found).c_str());
+  }
+  return {*fit, boards_json(options, *fit, found)};
 }
 
-nlohmann::ordered_json check_json(const RigCheck& check) {
-  nlohmann::ordered_json json{{"rows", nullptr}, {"depths", nullptr}};
+ordered_json check_json(const RigCheck& check) {
+  ordered_json json{{"rows", nullptr}, {"depths", nullptr}};
   if (check.rows) {
     json["rows"] = {{"points", check.rows->points},
                     {"median_px", check.rows->median_px},
@@ -120,10 +188,14 @@ void calib_extrinsics(const CalibFolderOptions& options) {
   if (options.live.on()) {
     from.folder = calib_live_walls(options, rig);
   }
-  const ExtrinsicFit fit = options.board.empty() ? by_walls(from, rig) : by_boards(from, rig);
-  rig.pmd_to_stereo = transform_of(fit.pmd_to_stereo);
+  const Placed placed = options.board.empty() ? by_walls(from, rig) : by_boards(from, rig);
+  rig.pmd_to_stereo = transform_of(placed.fit.pmd_to_stereo);
   value_or_fail(write_calibration(options.out, rig));
-  std::printf("%s\n", options.out.c_str());
+  if (options.json) {
+    say_json(placed.json);
+  } else {
+    std::printf("%s\n", options.out.c_str());
+  }
 }
 
 void calib_check(const CalibFolderOptions& options) {
@@ -134,7 +206,7 @@ void calib_check(const CalibFolderOptions& options) {
   const RigCheck check = value_or_fail(check_rig(folder, stored.calibration, search_of(options)));
   const std::vector<std::string> lines = advice(check);
   if (options.json) {
-    nlohmann::ordered_json json = check_json(check);
+    ordered_json json = check_json(check);
     json["folder"] = folder.string();
     json["calibration"] = options.calibration.string();
     json["advice"] = lines;

@@ -4,16 +4,14 @@
 #include "dataset/files/file.h"
 #include "host/calibrate/rig/extrinsics/pmd_board_views.h"
 #include "host/calibrate/rig/extrinsics/wall_pairs.h"
-#include "host/calibrate/rig/live/picture_motion.h"
 #include "host/cli/failure.h"
+#include "host/cli/rig/hold_watch.h"
 #include "host/cli/rig/live_views.h"
 #include "host/cli/stop_signal.h"
 #include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
-
-constexpr double kMovedOnPx = 8;  // since a view, before the next one is looked for
 
 bool same_size(const dsp::Pinhole& lens, int width, int height) {
   return lens.width == width && lens.height == height;
@@ -34,73 +32,6 @@ void check_size(const RawShot& shot, const CalibFolderOptions& options,
                       ": give the calibration of this rig");
   }
 }
-
-// What shows the same for as long as the PMD camera needs.
-struct HeldView {
-  RawShot first;
-  std::vector<dataset::Image<std::uint16_t>> samples;
-};
-
-// From one exposure to the next: whether the picture holds still, and for how long it has.
-class HoldWatch {
- public:
-  HoldWatch(double most_motion_px, std::size_t frames)
-      : most_motion_px_(most_motion_px), frames_(frames) {}
-
-  // A view, where it was held long enough; none: hint() says what to do.
-  std::optional<HeldView> add(RawShot shot) {
-    if (taken_ && !moved_on(shot.left)) {
-      tell(State::kTaken, "taken: turn it, or the rig, to another tilt");
-      return std::nullopt;
-    }
-    taken_.reset();
-    const std::optional<double> motion =
-        held_ ? picture_motion(before_, shot.left) : std::optional<double>();
-    const bool still = motion && *motion <= most_motion_px_;
-    before_ = shot.left;
-    if (!still) {
-      tell(State::kMoving,
-           motion ? printed("hold still: the picture moves by %.1f px, %.1f are allowed", *motion,
-                            most_motion_px_)
-                  : "hold still: the picture moves, or shows too little");
-      held_.emplace(HeldView{.first = std::move(shot), .samples = {}});
-      held_->samples.push_back(std::move(held_->first.pmd));
-      return std::nullopt;
-    }
-    held_->samples.push_back(std::move(shot.pmd));
-    tell(State::kStill, "still: hold on");
-    if (held_->samples.size() < frames_) {
-      return std::nullopt;
-    }
-    taken_ = held_->first.left;
-    return std::exchange(held_, std::nullopt);
-  }
-
-  const std::string& hint() const { return hint_; }
-  // Which of the hints it is.
-  int state() const { return static_cast<int>(state_); }
-
- private:
-  enum class State : std::uint8_t { kMoving, kStill, kTaken };
-
-  void tell(State state, std::string hint) {
-    state_ = state;
-    hint_ = std::move(hint);
-  }
-
-  bool moved_on(const dataset::Image<std::uint8_t>& now) const {
-    const std::optional<double> motion = picture_motion(*taken_, now);
-    return !motion || *motion > kMovedOnPx;
-  }
-
-  double most_motion_px_;
-  std::size_t frames_;
-  std::optional<HeldView> held_;
-  dataset::Image<std::uint8_t> before_;
-  std::optional<dataset::Image<std::uint8_t>> taken_;
-  State state_ = State::kMoving;
-  std::string hint_;
-};
 
 // What the views that were kept come to, of walls or of a board.
 class PlaceViews {
@@ -176,10 +107,10 @@ std::filesystem::path calib_live_walls(const CalibFolderOptions& options,
                                         kept.folder().c_str(), views.count());
   };
   LiveShots shots(options.live, true);
-  LiveLines lines;
-  LiveLines::say("subscribing at " + options.live.sensor + "; views are kept in " +
-                 kept.folder().string());
-  LiveLines::say(missing_line(views));
+  LiveLines lines(options.json);
+  lines.note("subscribing at " + options.live.sensor + "; views are kept in " +
+             kept.folder().string());
+  lines.note(missing_line(views));
   HoldWatch watch(options.live.most_motion_px, options.live.pmd_frames);
   while (!views.missing().empty()) {
     std::optional<RawShot> shot = shots.next(kept_text());
@@ -197,10 +128,10 @@ std::filesystem::path calib_live_walls(const CalibFolderOptions& options,
     const std::string wrong = views.add(staged.parent_path());
     if (wrong.empty()) {
       kept.keep(staged);
-      LiveLines::say(staged.filename().string() + ": taken; " + missing_line(views));
+      lines.note(staged.filename().string() + ": taken; " + missing_line(views));
     } else {
       KeptViews::drop(staged);
-      LiveLines::say("left out: " + wrong);
+      lines.note("left out: " + wrong);
     }
   }
   return kept.folder();

@@ -100,6 +100,13 @@ void add_planes_flags(CLI::App& command, CalibStereoOptions& options) {
       .add_option("--centre", options.centre,
                   "--planes: principal columns left and right, and row, px; default: the middle")
       ->expected(3);
+  command
+      .add_option(
+          "--distances", options.distances,
+          "--planes --live: of the walls, metres, separated by commas; those that DIR holds "
+          "are not asked for again")
+      ->delimiter(',')
+      ->check(CLI::Range(0.06, 99.0));
   command.add_option("--block", options.block, "--planes: side of the matched blocks, px")
       ->check(CLI::Range(3, 64))
       ->capture_default_str();
@@ -167,6 +174,7 @@ void add_extrinsics(CLI::App& calib, CalibFolderOptions& options) {
       ->capture_default_str();
   command.add_flag("--force", options.force, "Write the file although tilts are missing");
   add_search(command, options.min_disparity, options.disparities, options.threads);
+  add_json_flag(command, options.json);
   command.callback([&options] { calib_extrinsics(options); });
 }
 
@@ -206,6 +214,7 @@ void add_exchange(CLI::App& calib, CalibRigOptions& options) {
                   "opencv: width and height of the pictures, where the file has none")
       ->expected(2)
       ->check(CLI::Range(2, 65536));
+  add_json_flag(import, options.import.json);
   import.callback([&options] { calib_import(options.import); });
 
   CLI::App& to = *calib.add_subcommand("export", "The pair of a file, for ROS, Kalibr or OpenCV");
@@ -217,6 +226,7 @@ void add_exchange(CLI::App& calib, CalibRigOptions& options) {
   to.add_option("--out", options.export_to.out,
                 "The file to write; ros: a folder for left.yaml and right.yaml")
       ->required();
+  add_json_flag(to, options.export_to.json);
   to.callback([&options] { calib_export(options.export_to); });
 }
 
@@ -230,6 +240,7 @@ void add_target(CLI::App& calib, CalibTargetOptions& options) {
       .add_option("--out", options.out,
                   "The PDF to write; or a .pgm: the board in few pixels, for the emulator")
       ->required();
+  add_json_flag(command, options.json);
   command.callback([&options] { calib_target(options); });
 }
 
@@ -245,12 +256,27 @@ void calib_target(const CalibTargetOptions& options) {
                                          "PDF, or use markers of 3/4 of a square");
     }
     value_or_fail(dataset::write_pgm8(options.out, made->picture));
+    if (options.json) {
+      say_json({{"file", options.out.string()},
+                {"board", to_string(board)},
+                {"width", made->picture.width},
+                {"height", made->picture.height},
+                {"pixel_mm", made->pixel_mm}});
+      return;
+    }
     std::printf("%s: %dx%d, %g mm a pixel\n", options.out.c_str(), made->picture.width,
                 made->picture.height, made->pixel_mm);
     return;
   }
   const Sheet sheet = value_or_fail(sheet_of(board, options.paper));
   value_or_fail(dataset::write_whole(options.out, pdf_bytes(sheet)));
+  if (options.json) {
+    say_json({{"file", options.out.string()},
+              {"board", to_string(board)},
+              {"width_mm", sheet.width_mm},
+              {"height_mm", sheet.height_mm}});
+    return;
+  }
   std::printf("%s: %g x %g mm; print at 100 percent, and measure a square\n", options.out.c_str(),
               sheet.width_mm, sheet.height_mm);
 }

@@ -39,6 +39,7 @@ struct CalibStereoOptions {
   double most_blur_px = 1.5;
   bool force = false;
   // Of --planes.
+  std::vector<double> distances{};           // with --live: of the walls that are shown, m
   std::vector<double> baseline{0.2, 0.002};  // m and its sigma
   std::vector<double> focal{8.5, 0.17};      // mm and its sigma
   double pixel_um = 5.6;
@@ -62,7 +63,7 @@ struct CalibFolderOptions {  // extrinsics, check
   std::string board{};  // of extrinsics: views of it in place of walls
   int threads = 1;
   bool force = false;
-  bool json = false;  // check
+  bool json = false;
 };
 
 struct CalibExchangeOptions {  // import, export
@@ -71,12 +72,14 @@ struct CalibExchangeOptions {  // import, export
   std::filesystem::path out{};
   std::filesystem::path start{};
   std::vector<int> size{};
+  bool json = false;
 };
 
 struct CalibTargetOptions {
   std::string board = "9x6:0.024";
   std::string paper = "a4";
   std::filesystem::path out{};
+  bool json = false;
 };
 
 struct CalibRigOptions {

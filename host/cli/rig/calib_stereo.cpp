@@ -30,6 +30,9 @@ TargetOptions target_options(const CalibStereoOptions& options) {
 
 TargetCalibration of_folder(const CalibStereoOptions& options, const TargetOptions& target) {
   TargetViews views = value_or_fail(find_views(options.target, target));
+  if (const std::string why = unseen(views, target.board); !why.empty()) {
+    throw Failure(Exit::kBadInput, options.target.string() + ": " + why);
+  }
   const std::vector<RefusedView> refused = views.refused;
   dataset::Loaded<TargetCalibration> found = calibrate_target(std::move(views), target);
   if (!found) {
@@ -54,6 +57,10 @@ void by_target(const CalibStereoOptions& options) {
   if (!found.missing.empty() && !options.force) {
     throw Failure(Exit::kBadInput, options.target.string() + ": " + found.missing.front() +
                                        ": add such views, no file is written; or give --force");
+  }
+  if (const std::string why = other_rig(start, found.fit.rig); !why.empty() && !options.force) {
+    throw Failure(Exit::kBadInput,
+                  options.start.string() + ": " + why + "; or give --force, no file is written");
   }
   value_or_fail(write_calibration(options.out, with_pair(start, found.fit.rig)));
   std::printf("%s\n", options.out.c_str());
@@ -93,11 +100,14 @@ PlaneCalibrationOptions plane_options(const CalibStereoOptions& options, int wid
 void by_planes(const CalibStereoOptions& options) {
   StoredCalibration stored;
   dsp::Calibration rig = start_of(options, stored);
-  const std::vector<Plane> planes =
-      value_or_fail(read_planes(options.planes, {.min_disparity = options.min_disparity,
-                                                 .disparities = options.disparities,
-                                                 .block = options.block,
-                                                 .threads = options.threads}));
+  const PlaneOptions search{.min_disparity = options.min_disparity,
+                            .disparities = options.disparities,
+                            .block = options.block,
+                            .threads = options.threads};
+  if (options.live.on()) {
+    calib_live_planes(options, search);
+  }
+  const std::vector<Plane> planes = value_or_fail(read_planes(options.planes, search));
   const int width = planes.front().disparity.width;
   const int height = planes.front().disparity.height;
   const PlaneCalibrationOptions plane = plane_options(options, width, height);
@@ -112,7 +122,13 @@ void by_planes(const CalibStereoOptions& options) {
 
 void calib_stereo(const CalibStereoOptions& options) {
   const int sources = (options.target.empty() ? 0 : 1) + (options.planes.empty() ? 0 : 1) +
-                      (options.live.on() ? 1 : 0);
+                      (options.live.on() && options.distances.empty() ? 1 : 0);
+  const bool walls_live = options.live.on() && !options.planes.empty();
+  if (!options.distances.empty() && !walls_live) {
+    throw Failure(Exit::kBadInput,
+                  "--distances: are of walls before a live sensor: give --planes DIR and --live "
+                  "SENSOR too");
+  }
   if (sources != 1) {
     throw Failure(Exit::kBadInput,
                   "calib stereo: from what: give one of --target DIR, --live SENSOR and --planes "

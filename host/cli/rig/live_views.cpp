@@ -96,6 +96,14 @@ void write_samples(const std::filesystem::path& folder,
 
 void LiveLines::say(const std::string& line) { host::say(line); }
 
+void LiveLines::note(const std::string& line) const {
+  if (aside_) {
+    std::fprintf(stderr, "%s\n", line.c_str());
+  } else {
+    say(line);
+  }
+}
+
 void LiveLines::tell(int state, const std::string& line) {
   constexpr std::chrono::seconds kAnother{1};
   constexpr std::chrono::seconds kSame{5};
@@ -103,7 +111,7 @@ void LiveLines::tell(int state, const std::string& line) {
   if (at_ && now - *at_ < (state == told_ ? kSame : kAnother)) {
     return;
   }
-  say(line);
+  note(line);
   told_ = state;
   at_ = now;
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "dsp/calib/calibration.h"
+#include "host/calibrate/rig/planes/plane_disparities.h"
 #include "host/calibrate/rig/target/target_calibration.h"
 #include "host/cli/live/raw_feed.h"
 #include "host/cli/rig/calib_rig.h"
@@ -42,15 +43,19 @@ void write_samples(const std::filesystem::path& folder,
                    const std::vector<dataset::Image<std::uint16_t>>& frames,
                    std::int32_t after_pair_us, const dsp::PmdSensor& sensor);
 
-// Lines on stdout.
+// Lines on stdout; aside: on stderr, because stdout holds JSON.
 class LiveLines {
  public:
+  explicit LiveLines(bool aside = false) : aside_(aside) {}
   static void say(const std::string& line);
+  // say(), or on stderr.
+  void note(const std::string& line) const;
   // What repeats itself: at once where it is another state than before, but never two lines within
   // a second, and else every five seconds.
   void tell(int state, const std::string& line);
 
  private:
+  bool aside_;
   int told_ = -1;
   std::optional<std::chrono::steady_clock::time_point> at_;
 };
@@ -79,6 +84,8 @@ std::filesystem::path live_folder(const CalibLiveOptions& live, const std::files
 
 // With --live; it also keeps the views. All of them are there, or the Failure says how many are.
 TargetCalibration calib_live_stereo(const CalibStereoOptions& options, const TargetOptions& target);
+// Fills the folder of --planes with a wall at each of --distances that it does not hold yet.
+void calib_live_planes(const CalibStereoOptions& options, const PlaneOptions& search);
 // The folder that it filled.
 std::filesystem::path calib_live_walls(const CalibFolderOptions& options,
                                        const dsp::Calibration& rig);

@@ -70,8 +70,8 @@ void check(const CheckOptions& options) {
   } else {
     say_text(checks_text(checks));
   }
-  if (worst_of(checks) == Verdict::kFix) {
-    const auto count = std::ranges::count(checks, Verdict::kFix, &Check::verdict);
+  if (worst_of(checks) == CheckVerdict::kFix) {
+    const auto count = std::ranges::count(checks, CheckVerdict::kFix, &Check::verdict);
     throw Failure(Exit::kFailure, options.sensor + ": " + std::to_string(count) + " of " +
                                       std::to_string(checks.size()) +
                                       " checks found what has to be mended");

@@ -32,7 +32,7 @@ Check check_reach(const CheckFacts& facts) {
                                   : "");
     return check;
   }
-  check.verdict = Verdict::kFix;
+  check.verdict = CheckVerdict::kFix;
   if (facts.nobody_listens) {
     check.found = "its computer answers, and nobody listens there";
     check.fix = "start stofd, or name its port: stof discover lists it";
@@ -52,19 +52,19 @@ Check check_reach(const CheckFacts& facts) {
 Check check_firewall(const CheckFacts& facts) {
   Check check{.name = "firewall"};
   if (facts.sending_refused) {
-    check.verdict = Verdict::kFix;
+    check.verdict = CheckVerdict::kFix;
     check.found = "this machine's own firewall refuses to send there";
     check.fix = "allow UDP out to port 7560: nft add rule inet filter output udp dport 7560 accept";
   } else if (facts.stats.figures.frames() == 0 && facts.subscribed) {
-    check.verdict = Verdict::kFix;
+    check.verdict = CheckVerdict::kFix;
     check.found = "the sensor took the subscription, and its stream does not arrive";
     check.fix = "allow UDP in from port 7560: nft add rule inet filter input udp sport 7560 accept";
   } else if (facts.stats.figures.frames() == 0) {
-    check.verdict = Verdict::kNote;
+    check.verdict = CheckVerdict::kNote;
     check.found = "nothing arrives: it may be a firewall on the way";
     check.fix = "allow UDP port 7560 both ways, and try again";
   } else if (!facts.network.loopback && !facts.beacon_heard) {
-    check.verdict = Verdict::kNote;
+    check.verdict = CheckVerdict::kNote;
     check.found =
         "the stream passes; the beacon (UDP 7561) is not heard, so stof discover may "
         "not list it";
@@ -81,10 +81,10 @@ Check check_mtu(const CheckFacts& facts) {
   Check check{.name = "mtu"};
   const std::string device = facts.network.interface;
   if (!facts.network.mtu) {
-    check.verdict = Verdict::kNote;
+    check.verdict = CheckVerdict::kNote;
     check.found = "the system does not tell which interface leads there";
   } else if (*facts.network.mtu < kLeastMtu) {
-    check.verdict = Verdict::kFix;
+    check.verdict = CheckVerdict::kFix;
     check.found = printed("%d bytes by %s, packets have up to %d", *facts.network.mtu,
                           device.c_str(), kLeastMtu);
     check.fix = "ip link set dev " + device + " mtu 1500";
@@ -101,11 +101,11 @@ Check check_buffers(const CheckFacts& facts) {
       printed("%d of %d bytes granted, %llu datagrams found them full", facts.buffer,
               facts.asked_buffer, static_cast<unsigned long long>(facts.stats.counts.socket_drops));
   if (facts.buffer < facts.asked_buffer) {
-    check.verdict = Verdict::kFix;
+    check.verdict = CheckVerdict::kFix;
     check.fix = printed("sysctl -w net.core.rmem_max=%d (board/systemd/60-stof.conf keeps it)",
                         facts.asked_buffer);
   } else if (facts.stats.counts.socket_drops != 0) {
-    check.verdict = Verdict::kFix;
+    check.verdict = CheckVerdict::kFix;
     check.fix = "this computer is too slow for its work: fewer programs, or fewer streams";
   }
   return check;
@@ -136,7 +136,7 @@ Check check_link(const CheckFacts& facts) {
       (facts.stats.silences != 0 ? printed(", %u times silent", facts.stats.silences) : "");
   if (lost > 0 || facts.stats.silences != 0) {
     check.verdict =
-        share > kTolerable || facts.stats.silences != 0 ? Verdict::kFix : Verdict::kNote;
+        share > kTolerable || facts.stats.silences != 0 ? CheckVerdict::kFix : CheckVerdict::kNote;
     check.fix = loss_fix(counts);
   }
   if (facts.network.speed_mbit && figures.seconds() > 0) {
@@ -145,7 +145,7 @@ Check check_link(const CheckFacts& facts) {
         8e-6 * kLeastMtu * static_cast<double>(counts.packets()) / figures.seconds();
     check.found += printed(", at most %.0f of %d Mbit/s", mbit, *facts.network.speed_mbit);
     if (mbit > kMostShare * *facts.network.speed_mbit) {
-      check.verdict = Verdict::kFix;
+      check.verdict = CheckVerdict::kFix;
       check.fix = "the link is nearly full: Gigabit, or fewer streams";
     }
   }
@@ -156,17 +156,17 @@ Check check_clock(const CheckFacts& facts) {
   Check check{.name = "clock",
               .found = std::string("the sensor's is ") + client::clock_text(facts.clock)};
   if (facts.stats.figures.stamps_back() != 0) {
-    check.verdict = Verdict::kFix;
+    check.verdict = CheckVerdict::kFix;
     check.found += printed(", %llu stamps go back",
                            static_cast<unsigned long long>(facts.stats.figures.stamps_back()));
     check.fix =
         "two senders share one number, or the sensor is faulty: stof discover, then stofd "
         "--device";
   } else if (facts.clock == wire::ClockState::kRecorded) {
-    check.verdict = Verdict::kNote;
+    check.verdict = CheckVerdict::kNote;
     check.found += ": nothing of it is new";
   } else if (!facts.recorded && facts.network.clock_synchronised == false) {
-    check.verdict = Verdict::kNote;
+    check.verdict = CheckVerdict::kNote;
     check.found += "; this computer's own is not synchronised, so times of recordings may be off";
     check.fix = "timedatectl set-ntp true";
   }
@@ -176,19 +176,19 @@ Check check_clock(const CheckFacts& facts) {
 Check check_calibration(const CheckFacts& facts) {
   Check check{.name = "calibration"};
   if (!facts.calibration) {
-    check.verdict = Verdict::kFix;
+    check.verdict = CheckVerdict::kFix;
     check.found = "none came";
     check.fix = "clouds take one: stof calib install FILE " + facts.sensor;
   } else if (facts.other_calibration) {
-    check.verdict = Verdict::kFix;
+    check.verdict = CheckVerdict::kFix;
     check.found = "frames are of another one than the sensor tells";
     check.fix = "wait a second and check again, else restart the sensor";
   } else if (!facts.drift.empty() || has_condition(facts, wire::Condition::kDrift)) {
-    check.verdict = Verdict::kFix;
+    check.verdict = CheckVerdict::kFix;
     check.found = facts.drift.empty() ? "the rig has drifted from it" : facts.drift.substr(2);
     check.fix = "calibrate it anew: docs/CALIBRATION.md";
   } else if (has_condition(facts, wire::Condition::kCalibrationDropped)) {
-    check.verdict = Verdict::kFix;
+    check.verdict = CheckVerdict::kFix;
     check.found = "the installed one could not be used at the start: the factory's holds";
     check.fix = "stof calib install FILE " + facts.sensor;
   } else {
@@ -200,7 +200,7 @@ Check check_calibration(const CheckFacts& facts) {
 Check check_health(const CheckFacts& facts) {
   Check check{.name = "health"};
   if (!facts.health) {
-    check.verdict = Verdict::kNote;
+    check.verdict = CheckVerdict::kNote;
     check.found = "none came";
     return check;
   }
@@ -208,7 +208,7 @@ Check check_health(const CheckFacts& facts) {
   check.found = std::string(severity_text(report.severity)) + ", " + age_text(facts.health->age) +
                 " old" + active_text(report);
   if (report.severity >= wire::Severity::kMajor) {
-    check.verdict = Verdict::kFix;
+    check.verdict = CheckVerdict::kFix;
     check.fix = "stof health " + facts.sensor + " says what each means";
   }
   return check;
@@ -217,11 +217,11 @@ Check check_health(const CheckFacts& facts) {
 Check check_key(const CheckFacts& facts) {
   Check check{.name = "key", .found = "the sensor has a key: nobody else changes its settings"};
   if (has_condition(facts, wire::Condition::kKeysLost)) {
-    check.verdict = Verdict::kFix;
+    check.verdict = CheckVerdict::kFix;
     check.found = "its keys could not be read at its start";
     check.fix = "pair again: stof pair " + facts.sensor;
   } else if (has_condition(facts, wire::Condition::kUnpaired)) {
-    check.verdict = Verdict::kNote;
+    check.verdict = CheckVerdict::kNote;
     check.found = "it has none: anybody on the network may change harmless settings";
     check.fix = "stof pair " + facts.sensor;
   }
@@ -231,10 +231,10 @@ Check check_key(const CheckFacts& facts) {
 Check check_version(const CheckFacts& facts) {
   Check check{.name = "version"};
   if (!facts.identity) {
-    check.verdict = Verdict::kNote;
+    check.verdict = CheckVerdict::kNote;
     check.found = "not told: " + facts.no_identity;
   } else if (facts.identity->version != facts.version) {
-    check.verdict = Verdict::kNote;
+    check.verdict = CheckVerdict::kNote;
     check.found =
         "the sensor's is " + facts.identity->version + ", this program's " + facts.version;
     check.fix = "update the older one: stof update, or the package stof-tools";
@@ -259,8 +259,8 @@ std::vector<Check> judge_checks(const CheckFacts& facts) {
   return checks;
 }
 
-Verdict worst_of(const std::vector<Check>& checks) {
-  Verdict worst = Verdict::kOk;
+CheckVerdict worst_of(const std::vector<Check>& checks) {
+  CheckVerdict worst = CheckVerdict::kOk;
   for (const Check& check : checks) {
     worst = std::max(worst, check.verdict);
   }
@@ -280,7 +280,7 @@ std::string checks_text(const std::vector<Check>& checks) {
 
 nlohmann::ordered_json checks_json(const std::string& source, const std::vector<Check>& checks) {
   using Json = nlohmann::ordered_json;
-  const auto name = [](Verdict verdict) {
+  const auto name = [](CheckVerdict verdict) {
     return client::name_in(kVerdictNames, static_cast<std::size_t>(verdict));
   };
   Json list = Json::array();

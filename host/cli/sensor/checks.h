@@ -38,7 +38,7 @@ struct CheckFacts {
   std::string version{};  // of this program
 };
 
-enum class Verdict : std::uint8_t {
+enum class CheckVerdict : std::uint8_t {
   kOk,
   kNote,  // nothing has to be done, or nobody can tell
   kFix,   // do what `fix` says
@@ -46,7 +46,7 @@ enum class Verdict : std::uint8_t {
 
 struct Check {
   std::string name{};  // link, mtu, ...
-  Verdict verdict = Verdict::kOk;
+  CheckVerdict verdict = CheckVerdict::kOk;
   std::string found{};
   std::string fix{};  // one line; empty: nothing to do
 };
@@ -55,7 +55,7 @@ struct Check {
 // ones fail.
 std::vector<Check> judge_checks(const CheckFacts& facts);
 
-Verdict worst_of(const std::vector<Check>& checks);
+CheckVerdict worst_of(const std::vector<Check>& checks);
 std::string checks_text(const std::vector<Check>& checks);
 nlohmann::ordered_json checks_json(const std::string& source, const std::vector<Check>& checks);
 

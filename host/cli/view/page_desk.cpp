@@ -33,7 +33,7 @@ std::vector<viewer::FaultState> states_of(const std::vector<DeviceFaults>& devic
 
 PageDesk::PageDesk(DeskOptions options)
     : options_(std::move(options)),
-      pairing_(options_.config, options_.takes_code,
+      pairing_(options_.config,
                [this](const viewer::PairingState& state) {
                  tell(viewer::Topic::kPairing, viewer::pairing_message(state));
                }),
@@ -80,7 +80,7 @@ bool PageDesk::enqueue(Job job) {
   return true;
 }
 
-void PageDesk::serve(viewer::Wish wish, viewer::Answer answer) {
+void PageDesk::serve(const viewer::Page& page, viewer::Wish wish, viewer::Answer answer) {
   if (is_one_of<viewer::SetRecording, viewer::SetPlaying, viewer::SeekTo>(wish)) {
     const std::scoped_lock lock(mutex_);
     if (own_.size() < kMostJobs) {
@@ -109,7 +109,7 @@ void PageDesk::serve(viewer::Wish wish, viewer::Answer answer) {
     if (enqueue([this, wish, answer] { do_settings(wish, answer); })) {
       return;
     }
-  } else if (enqueue([this, wish, answer] { do_others(wish, answer); })) {
+  } else if (enqueue([this, page, wish, answer] { do_others(page, wish, answer); })) {
     return;
   }
   answer(false, kBusy);
@@ -141,16 +141,17 @@ void PageDesk::do_settings(const viewer::Wish& wish, const viewer::Answer& answe
 }
 
 // What has its own thread, and its own message of how it goes.
-void PageDesk::do_others(const viewer::Wish& wish, const viewer::Answer& answer) {
+void PageDesk::do_others(const viewer::Page& page, const viewer::Wish& wish,
+                         const viewer::Answer& answer) {
   std::expected<void, std::string> done;
   if (const auto* const begin = std::get_if<viewer::BeginPairing>(&wish)) {
-    done = pairing_.begin(sensor(), *begin);
+    done = pairing_.begin(page, sensor(), *begin);
   } else if (const auto* const given = std::get_if<viewer::GiveDigits>(&wish)) {
-    done = pairing_.give(given->digits);
+    done = pairing_.give(page, given->digits);
   } else if (std::holds_alternative<viewer::EndPairing>(wish)) {
-    done = pairing_.give_up();
+    done = pairing_.give_up(page);
   } else if (const auto* const release = std::get_if<viewer::PutRelease>(&wish)) {
-    done = update_.put(sensor(), release->file);
+    done = update_.put(page, sensor(), release->file);
   } else {
     update_.read(sensor());
   }

@@ -23,8 +23,7 @@ struct DeskOptions {
   ConfigOptions config{};               // keys, and which sensor is meant
   std::string fault_socket{};           // of an emulated sensor; empty: it cannot be made to fail
   std::filesystem::path update_from{};  // folder of releases; empty: the page puts none
-  bool takes_code = true;  // of the label, to pair: not over a network that others read
-  bool sensor = true;      // false: what is shown is a recording, which nobody changes
+  bool sensor = true;                   // false: what is shown is a recording, which nobody changes
 };
 
 // Has done what pages want: what blocks, by a thread of its own, one after the other; what is the
@@ -40,7 +39,7 @@ class PageDesk {
   PageDesk& operator=(const PageDesk&) = delete;
 
   // Of the server's thread. Never waits.
-  void serve(viewer::Wish wish, viewer::Answer answer);
+  void serve(const viewer::Page& page, viewer::Wish wish, viewer::Answer answer);
 
   // Of the receiver's thread.
   void tell_by(Tell tell);
@@ -58,7 +57,7 @@ class PageDesk {
   void run();
   void order(const std::string& order);  // throws Failure
   void do_settings(const viewer::Wish& wish, const viewer::Answer& answer);
-  void do_others(const viewer::Wish& wish, const viewer::Answer& answer);
+  void do_others(const viewer::Page& page, const viewer::Wish& wish, const viewer::Answer& answer);
   void look_once(bool& among_jobs, Job job);
   void tell(viewer::Topic topic, std::string json);
   ShownSensor sensor() const;

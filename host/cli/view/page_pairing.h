@@ -1,64 +1,48 @@
 #pragma once
 
-#include <condition_variable>
-#include <cstdint>
-#include <expected>
-#include <functional>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "host/cli/config/config.h"
 #include "host/cli/view/page_settings.h"
+#include "host/cli/view/page_task.h"
 #include "host/viewer/page_message.h"
 #include "host/viewer/panel_messages.h"
+#include "host/viewer/requests.h"
 
 namespace stof::host {
 
 // The pairing panel of the page: what `stof pair` does, a step of it at a time; the key goes into
 // the user's file, and never to a page. As there, the digits of here are told only once somebody
-// has given those of the sensor: who only has to say yes says it too soon. For any thread; none of
-// it waits but the destructor.
+// has given those of the sensor: who only has to say yes says it too soon. A pairing is that of the
+// page which began it: it alone gives the digits or ends it, and its connection's end ends it too.
+// For any thread; none of it waits but the destructor.
 class PagePairing {
  public:
-  using Tell = std::function<void(const viewer::PairingState& state)>;
+  using Task = PageTask<viewer::PairingState>;
+  using Done = Task::Done;
 
-  // takes_code: that of the label, which opens the sensor for good: never over a network that
-  // others read.
-  PagePairing(ConfigOptions config, bool takes_code, Tell tell);
-  ~PagePairing();  // gives up what is under way, and waits for that
-  PagePairing(const PagePairing&) = delete;
-  PagePairing& operator=(const PagePairing&) = delete;
+  PagePairing(ConfigOptions config, Task::Tell tell);
 
-  // One line: why not.
-  using Done = std::expected<void, std::string>;
-  Done begin(const ShownSensor& sensor, const viewer::BeginPairing& wish);
-  Done give(const std::string& digits);
-  Done give_up();
+  Done begin(const viewer::Page& page, const ShownSensor& sensor, const viewer::BeginPairing& wish);
+  Done give(const viewer::Page& page, const std::string& digits);
+  Done give_up(const viewer::Page& page);
 
   // Looks whether there is a key for it, in the user's file; tells where that is news. Reads a
-  // file.
+  // file. Of one thread.
   void look(const ShownSensor& sensor);
 
  private:
-  void run(const std::string& sensor, const viewer::BeginPairing& wish);
-  std::string pair(const std::string& sensor, const viewer::BeginPairing& wish);
-  std::string await_digits();
-  bool goes_on() const;
-  template <typename Change>
-  void change(Change&& how);
+  Task::End run(const viewer::Page& page, const std::string& sensor,
+                const viewer::BeginPairing& wish);
+  std::string pair(const viewer::Page& page, const std::string& sensor,
+                   const viewer::BeginPairing& wish);
+  std::string await_digits(const viewer::Page& page);
+  bool goes_on(const viewer::Page& page) const;
 
   const ConfigOptions config_;
-  const Tell tell_;
-  mutable std::mutex mutex_;
-  std::condition_variable wake_;
-  viewer::PairingState state_;
-  bool told_ = false;
-  bool under_way_ = false;
-  bool ends_ = false;
-  std::optional<std::string> digits_;
-  std::thread thread_;
+  std::optional<std::string> offer_;  // that was told last; none: none was
+  Task task_;                         // last: its thread uses what stands above
 };
 
 }  // namespace stof::host

@@ -55,44 +55,17 @@ const char* name_of_state(wire::UploadState state) {
 
 }  // namespace
 
-PageUpdate::PageUpdate(ConfigOptions config, std::filesystem::path folder, Tell tell)
-    : config_(std::move(config)), folder_(std::move(folder)), tell_(std::move(tell)) {
-  state_.folder = folder_.string();
-}
-
-PageUpdate::~PageUpdate() {
-  {
-    const std::scoped_lock lock(mutex_);
-    ends_ = true;
-  }
-  if (thread_.joinable()) {
-    thread_.join();
-  }
-}
-
-// Told in the order in which it happened.
-template <typename Change>
-void PageUpdate::change(Change&& how) {
-  const std::scoped_lock lock(mutex_);
-  std::forward<Change>(how)(state_);
-  tell_(state_);
-}
-
-bool PageUpdate::goes_on() const {
-  const std::scoped_lock lock(mutex_);
-  return !ends_;
-}
+PageUpdate::PageUpdate(ConfigOptions config, std::filesystem::path folder, Task::Tell tell)
+    : config_(std::move(config)),
+      folder_(std::move(folder)),
+      task_({.folder = folder_.string()}, std::move(tell)) {}
 
 void PageUpdate::read(const ShownSensor& sensor) {
   std::vector<viewer::ReleaseFile> files;
   if (!folder_.empty()) {
     files = releases_in(folder_);
   }
-  bool busy = false;
-  {
-    const std::scoped_lock lock(mutex_);
-    busy = under_way_;
-  }
+  const bool busy = task_.under_way();
   viewer::UpdateState found;
   try {
     if (busy) {
@@ -115,7 +88,7 @@ void PageUpdate::read(const ShownSensor& sensor) {
   } catch (const std::exception& problem) {
     found.problem = problem.what();
   }
-  change([&](viewer::UpdateState& state) {
+  task_.change([&](viewer::UpdateState& state) {
     state.files = std::move(files);
     if (!busy) {
       state.running = std::move(found.running);
@@ -126,8 +99,8 @@ void PageUpdate::read(const ShownSensor& sensor) {
   });
 }
 
-std::expected<void, std::string> PageUpdate::put(const ShownSensor& sensor,
-                                                 const std::string& file) {
+PageUpdate::Task::Done PageUpdate::put(const viewer::Page& page, const ShownSensor& sensor,
+                                       const std::string& file) {
   if (folder_.empty()) {
     return std::unexpected("no folder of releases was named: stof view SENSOR --update-from DIR");
   }
@@ -139,66 +112,48 @@ std::expected<void, std::string> PageUpdate::put(const ShownSensor& sensor,
     return std::unexpected("no such release is in " + folder_.string() +
                            ": choose one of the list");
   }
-  {
-    const std::scoped_lock lock(mutex_);
-    if (under_way_) {
-      return std::unexpected("an update is under way");
-    }
-    under_way_ = true;
-  }
-  if (thread_.joinable()) {
-    thread_.join();  // it has ended
-  }
-  change([&](viewer::UpdateState& state) {
-    state.step = "sending";
-    state.file = file;
-    state.sent = state.total = 0;
-    state.text.clear();
-    state.problem.clear();
-  });
-  thread_ =
-      std::thread([this, address = sensor.address, path = folder_ / file] { run(address, path); });
-  return {};
+  return task_.start(
+      page, "an update is under way",
+      [&file](viewer::UpdateState& state) {
+        state.step = "sending";
+        state.file = file;
+        state.sent = state.total = 0;
+        state.text.clear();
+        state.problem.clear();
+      },
+      [this, address = sensor.address, path = folder_ / file] { return run(address, path); });
 }
 
-void PageUpdate::run(const std::string& sensor, const std::filesystem::path& file) {
-  const char* step = "failed";
-  std::string text;
-  try {
-    need_crypto();
-    const std::string bytes = read_release(file);
-    const auto way = open_upload_way("update", sensor, config_, kPutPatienceS);
-    const ReleaseEnd end =
-        put_release(*way, bytes, kVerdictWaitS,
-                    {.sent =
-                         [this](std::size_t now, std::size_t all) {
-                           change([&](viewer::UpdateState& state) {
-                             state.sent = now;
-                             state.total = all;
-                           });
-                         },
-                     .told =
-                         [this](ReleaseStep told, const std::string& line) {
-                           change([&](viewer::UpdateState& state) {
-                             state.step = told == ReleaseStep::kOnTrial ? "trial" : "restarting";
-                             state.text = line;
-                           });
-                         },
-                     .goes_on = [this] { return goes_on(); }});
-    if (end.state == ReleaseState::kConfirmed) {
-      step = "confirmed";
-    } else if (end.state == ReleaseState::kReverted) {
-      step = "left";
-    }
-    text = end.line;
-  } catch (const std::exception& problem) {
-    text = problem.what();
+PageUpdate::Task::End PageUpdate::run(const std::string& sensor,
+                                      const std::filesystem::path& file) {
+  need_crypto();
+  const std::string bytes = read_release(file);
+  const auto way = open_upload_way("update", sensor, config_, kPutPatienceS);
+  const ReleaseEnd end =
+      put_release(*way, bytes, kVerdictWaitS,
+                  {.sent =
+                       [this](std::size_t now, std::size_t all) {
+                         task_.change([&](viewer::UpdateState& state) {
+                           state.sent = now;
+                           state.total = all;
+                         });
+                       },
+                   .told =
+                       [this](ReleaseStep told, const std::string& line) {
+                         task_.change([&](viewer::UpdateState& state) {
+                           state.step = told == ReleaseStep::kOnTrial ? "trial" : "restarting";
+                           state.text = line;
+                         });
+                       },
+                   .goes_on = [this] { return task_.goes_on(); }});
+  switch (end.state) {
+    case ReleaseState::kConfirmed:
+      return {.step = "confirmed", .text = end.line};
+    case ReleaseState::kReverted:
+      return {.step = "left", .text = end.line};
+    default:
+      return {.step = "failed", .text = end.line};
   }
-  change([&](viewer::UpdateState& state) {
-    state.step = step;
-    state.text = text;
-    under_way_ = false;
-  });
 }
 
 }  // namespace stof::host

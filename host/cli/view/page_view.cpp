@@ -24,8 +24,8 @@ void add_page_flags(CLI::App& command, PageOptions& options) {
                    "Others on the network may open the page, by an address with a token: whoever "
                    "has the address sees what the sensor sees");
   command.add_flag("--lan-control", options.lan_control,
-                   "With --lan: whoever has the address may also change settings and record, with "
-                   "your keys of the sensor");
+                   "With --lan: whoever has the address may also change settings, record and put "
+                   "releases of --update-from on the sensor, with your keys of it, but not pair");
   command.add_option("--record-to", options.record_to, "Folder of what is recorded from the page")
       ->capture_default_str();
   command.add_option("--update-from", options.update_from,
@@ -78,7 +78,6 @@ void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
   }
   DeskOptions desk{.fault_socket = options.fault_socket,
                    .update_from = options.update_from,
-                   .takes_code = !options.lan_control,
                    .sensor = !shown.recording};
   desk.config.keys = keys_file(receive.keys);
   desk.config.device = receive.device;
@@ -88,8 +87,9 @@ void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
   if (!shown.recording) {
     recording_ = std::make_unique<PageRecording>(options.record_to, options.program);
   }
-  shown.serve = [raw = desk_.get()](viewer::Wish wish, viewer::Answer answer) {
-    raw->serve(std::move(wish), std::move(answer));
+  shown.serve = [raw = desk_.get()](const viewer::Page& page, viewer::Wish wish,
+                                    viewer::Answer answer) {
+    raw->serve(page, std::move(wish), std::move(answer));
   };
   shown.lan_control = options.lan_control;
   shown.foxglove_origins = options.foxglove_origins;

@@ -19,7 +19,7 @@ namespace stof::host {
 struct PageOptions {
   std::optional<std::uint16_t> http_port;  // none: the usual one, or any free one
   bool lan = false;                        // others on the network may look, with a token
-  bool lan_control = false;                // and change what the page of this machine may
+  bool lan_control = false;  // and change what the page of this machine may, but not pair
   bool no_browser = false;
   std::filesystem::path record_to = ".";      // folder of what the page records
   std::filesystem::path update_from;          // folder of releases; empty: the page puts none

@@ -34,7 +34,8 @@ class View {
       take(receiver_.next(kLook));
       take_raw();
       say_events();
-      if (const std::string change = teller_.look(receiver_.link(), receiver_.health());
+      if (const std::string change =
+              teller_.look(receiver_.link(), receiver_.health(), client::Time::clock::now());
           !change.empty()) {
         say(change);
       }

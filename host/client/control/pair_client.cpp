@@ -120,8 +120,7 @@ std::expected<PairWindow, ControlError> PairClient::ask_window(const wire::PairR
     case PairResult::kOk:
       return PairWindow{.key_id = answer->key_id};
     case PairResult::kWaiting:
-      return PairWindow{.digits =
-                            wire::get_u32(std::as_bytes(std::span(answer->value)).first<4>())};
+      return PairWindow{.offer = wire::offer_in(answer->value)};
     case PairResult::kWrong:
       if (request.step == PairStep::kOpen) {
         return error(Status::kUnsupported,

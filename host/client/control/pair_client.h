@@ -24,8 +24,8 @@ struct PairWish {
 
 // How the two minutes stand that the cable opened for others.
 struct PairWindow {
-  std::optional<std::uint32_t> digits{};  // of the sensor, as soon as somebody has come
-  std::uint32_t key_id = 0;               // of the key that came of it; 0: not yet
+  std::optional<wire::PairOffer> offer{};  // the sensor's digits, as soon as somebody has come
+  std::uint32_t key_id = 0;                // of the key that came of it; 0: not yet
 };
 
 // Makes a key with one sensor; blocks. For one thread, and for one key.

@@ -58,7 +58,10 @@ export interface Status {
 export interface SensorEvent { text: string; condition: number; severity: number; active: boolean; count: number; time_ms: number }
 
 // Whether this page may have something done, and the ticket that each request carries.
-export interface Rights { may: boolean; why: string; ticket: string }
+export interface Rights { may: boolean; why: string; why_not_pair: string; ticket: string; page: number }
+
+// The page's connection that began what takes a while.
+export type BegunBy = { page: number; place: string } | null;
 
 export interface Listener {
   hello(hello: Hello): void;

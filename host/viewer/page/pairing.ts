@@ -1,12 +1,15 @@
 // Pairing: there while the user has no key of the sensor. Keys are made and kept by `stof view`, none comes here.
+import { BegunBy } from "./connection";
 import { Requests, find, put } from "./panels";
 
-export interface PairingMessage { offer: string; step: string; given: string; ours: string; text: string; takes_code: boolean }
+export interface PairingMessage { offer: string; step: string; by: BegunBy; role: string; given: string; ours: string; text: string }
 
 const offers: Record<string, string> = {
   unpaired: "Nobody has paired this sensor: whoever reaches its network changes what is harmless, and nobody more. Once it is paired, a change takes a key.",
   no_key: "This sensor is paired, and you have no key of it: you see all and change nothing.",
 };
+
+const roles: Record<string, string> = { admin: "may change everything", tune: "may tune depth and streams", view: "may look" };
 
 // "123 456" of six digits: as the sensor tells them.
 function spaced(digits: string): string {
@@ -46,7 +49,8 @@ export class PairingPanel {
       this.say(message.text, message.step === "failed");
     }
     this.show();
-    if (before !== message.step && message.step === "digits" && find("pairing").contains(document.activeElement)) find("pair-digits").focus();
+    const own = !this.requests.another(message.by);
+    if (own && before !== message.step && message.step === "digits" && find("pairing").contains(document.activeElement)) find("pair-digits").focus();
   }
 
   // The rights have changed.
@@ -63,19 +67,32 @@ export class PairingPanel {
     const state = this.state;
     find("pairing").hidden = !state || !this.requests.rights.may || !(state.offer || this.seen);
     if (!state) return;
-    const code = find<HTMLSelectElement>("pair-way").value === "code" && state.takes_code;
-    find("pair-way-code").hidden = !state.takes_code;
+    const code = find<HTMLSelectElement>("pair-way").value === "code";
+    const own = !this.requests.another(state.by) && !this.requests.rights.why_not_pair;
     find("pair-code-field").hidden = !code;
-    find("pair-form").hidden = this.underWay() || state.step === "paired";
-    find("pair-digits-form").hidden = state.step !== "digits";
-    find("pair-end").hidden = !this.underWay();
+    find("pair-form").hidden = this.underWay() || state.step === "paired" || !!this.requests.rights.why_not_pair;
+    find("pair-digits-form").hidden = state.step !== "digits" || !own;
+    find("pair-end").hidden = !this.underWay() || !own;
+    put("pair-asks", this.underWay() ? this.asks(state) : "");
+    find("pair-asks").hidden = !this.underWay();
     put("pair-why", state.step === "paired" ? "" : offers[state.offer] ?? "");
     find("pair-why").hidden = state.step === "paired" || this.underWay() || !state.offer;
     put("pair-now", this.instruction(state, code));
     find("pair-now").hidden = find("pair-now").textContent === "";
   }
 
+  // Who asks for what, and what confirming does.
+  private asks(state: PairingMessage): string {
+    const who = this.requests.another(state.by);
+    const what = `role ${state.role}: a key that ${roles[state.role] ?? ""}`;
+    return who
+      ? `${who} asks for ${what}. Holding the sensor's button makes that key, for the user of stof view: hold it only if you know who asks. That page alone types the digits or gives up.`
+      : `You ask for ${what}. stof view keeps it.`;
+  }
+
   private instruction(state: PairingMessage, code: boolean): string {
+    if (this.underWay() && this.requests.another(state.by)) return "";
+    if (!this.underWay() && state.step !== "paired" && this.requests.rights.why_not_pair) return `From here nobody pairs: ${this.requests.rights.why_not_pair}.`;
     switch (state.step) {
       case "begin": return "The sensor is being asked.";
       case "digits": return "Now the sensor tells six digits, in its log and on its serial line. Type them here: they are compared with those of this side.";

@@ -1,5 +1,5 @@
 // What the panels share: elements by id, and requests to `stof view` that are answered (docs/VIEWER.md).
-import { Connection, Rights } from "./connection";
+import { BegunBy, Connection, Rights } from "./connection";
 
 export function find<T extends HTMLElement>(id: string): T {
   return document.getElementById(id) as T;
@@ -19,9 +19,11 @@ export function make<K extends keyof HTMLElementTagNameMap>(name: K, text = "", 
 
 export interface Answer { done: boolean; text: string }
 
+const nobody: Rights = { may: false, why: "not connected", why_not_pair: "not connected", ticket: "", page: 0 };
+
 // One request after the other has its answer; a connection that ends refuses those that are open.
 export class Requests {
-  rights: Rights = { may: false, why: "not connected", ticket: "" };
+  rights: Rights = { ...nobody };
   private open = new Map<number, (answer: Answer) => void>();
   private last = 0;
 
@@ -35,13 +37,19 @@ export class Requests {
     return new Promise((done) => this.open.set(id, done));
   }
 
+  // Whose it is that another page began; "" where this one did, or nobody.
+  another(by: BegunBy): string {
+    if (!by || by.page === this.rights.page) return "";
+    return by.place === "this computer" ? "Another page of the computer where stof view runs" : by.place;
+  }
+
   answered(id: number, answer: Answer): void {
     this.open.get(id)?.(answer);
     this.open.delete(id);
   }
 
   ended(): void {
-    this.rights = { may: false, why: "not connected", ticket: "" };
+    this.rights = { ...nobody };
     for (const done of this.open.values()) done({ done: false, text: "the connection ended before the answer" });
     this.open.clear();
   }

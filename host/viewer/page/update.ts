@@ -1,9 +1,10 @@
 // The update panel: which release runs, and how an update goes. Files stay where `stof view` is: a page names one.
+import { BegunBy } from "./connection";
 import { Requests, find, make, put } from "./panels";
 
 export interface UpdateMessage {
   folder: string; files: { name: string; bytes: number }[];
-  step: string; file: string; sent: number; total: number; text: string;
+  step: string; by: BegunBy; file: string; sent: number; total: number; text: string;
   running: string; other: string; state: string; problem: string;
 }
 
@@ -85,7 +86,8 @@ export class UpdatePanel {
       : state.files.length ? `Releases of ${state.folder}, where stof view runs.` : `No release (*.update) is in ${state.folder}.`);
     find("update-from").hidden = busy;
     if (busy) {
-      put("update-who", `${state.file} is being put on the sensor.`);
+      const who = this.requests.another(state.by);
+      put("update-who", `${who ? `${who} puts ${state.file} on the sensor` : `${state.file} is being put on the sensor`}. Nobody ends an update that has begun.`);
     } else {
       put("update-who", state.problem || (state.running
         ? `Release ${state.running} runs: ${places[state.state] ?? state.state}.${state.other ? ` In the other slot: ${state.other}.` : ""}`

@@ -213,11 +213,14 @@ TEST(HealthMonitor, EachChangeOfTheSettingsIsAnEventAndEndsAfterTenSeconds) {
   ASSERT_EQ(first.size(), 1U);
   EXPECT_EQ(first[0].condition, static_cast<std::uint8_t>(Condition::kSettingsChanged));
   EXPECT_EQ(first[0].value, 0xC0A80107U);
-  monitor.observe(happened(EventKind::kSettingsChanged, Component::kLoop, 5s, 7));
+  EXPECT_EQ(first[0].former, kNotOfNetwork);
+  monitor.observe(
+      {.at = at(5s), .kind = EventKind::kSettingsChanged, .value = 7, .former = kNetworkTakenBack});
   const auto second = events(at(5s));
   ASSERT_EQ(second.size(), 1U);
   EXPECT_EQ(second[0].count, 2U);
   EXPECT_EQ(second[0].value, 7U);
+  EXPECT_EQ(second[0].former, kNetworkTakenBack);
   EXPECT_GT(second[0].sequence, first[0].sequence);
   EXPECT_EQ(monitor.summary(), wire::Health::kOk) << "a change is no fault";
   EXPECT_EQ(events(at(6s)).size(), 1U) << "once more";

@@ -65,12 +65,29 @@ TEST(LogText, SaysWhatChanged) {
   EXPECT_EQ(text_of({.kind = EventKind::kSettingsChanged,
                      .address = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 192, 168, 1, 20}}),
             "settings changed by 192.168.1.20");
+  EXPECT_EQ(text_of({.kind = EventKind::kSettingsChanged, .former = kNetworkOnTrial}),
+            "settings changed over the serial line; network is on trial");
+  EXPECT_EQ(text_of({.kind = EventKind::kSettingsChanged, .former = kNetworkTakenBack}),
+            "settings changed: network is as before, because nobody saved its change in time");
   EXPECT_EQ(text_of({.kind = EventKind::kKeyEnded, .value = 0xA2B, .role = wire::Role::kAdmin}),
             "key 00000a2b, role admin, ended over the serial line");
   EXPECT_EQ(
-      text_of({.kind = EventKind::kPairing, .value = 1'000'000 + 12'034}),
-      "pairing: the digits are 012 034. Type them into stof pair; only if it accepts them hold "
-      "the button for three seconds");
+      text_of({.kind = EventKind::kPairing,
+               .value = 1'000'000 + 12'034,
+               .role = wire::Role::kAdmin,
+               .address = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 192, 0, 2, 7}}),
+      "pairing: the digits are 012 034, role admin, asked for by 192.0.2.7. Type them into stof "
+      "pair; only if it accepts them hold the button for three seconds");
+  std::array<std::uint8_t, 16> longest{};
+  longest.fill(0xFD);
+  const std::string line = text_of({.kind = EventKind::kPairing,
+                                    .value = 1'999'999,
+                                    .role = wire::Role::kAdmin,
+                                    .address = longest});
+  EXPECT_TRUE(
+      line.ends_with("fdfd:fdfd. Type them into stof pair; only if it accepts them hold "
+                     "the button for three seconds"))
+      << line;
 }
 
 }  // namespace

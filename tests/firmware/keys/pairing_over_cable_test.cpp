@@ -25,6 +25,7 @@ TEST_F(PairingServerTest, TheCableOpensAndAcceptsForAnotherClient) {
   EXPECT_EQ(opened.result, PairResult::kOk);
   EXPECT_EQ(opened.key_id, 0U);
   EXPECT_TRUE(server_.is_open());
+  from_.address = {0xFD, 1, 2};
   PairingClient client(kSensor, PairMethod::kDigits, Role::kTune);
   const PairAnswer begun = ask(client.begin());
   EXPECT_EQ(ask(holder.open(), PairingWay::kCable).result, PairResult::kOk);  // no digits yet
@@ -32,6 +33,8 @@ TEST_F(PairingServerTest, TheCableOpensAndAcceptsForAnotherClient) {
   const PairAnswer come = ask(holder.open(), PairingWay::kCable);
   EXPECT_EQ(come.result, PairResult::kWaiting);
   EXPECT_EQ(digits_in(come), client.secrets().digits());
+  EXPECT_EQ(wire::offer_in(come.value).role, Role::kTune);
+  EXPECT_EQ(wire::offer_in(come.value).from, from_.address);
   EXPECT_EQ(ask(holder.accept(digits_in(come)), PairingWay::kCable).result, PairResult::kWaiting);
   EXPECT_EQ(ring_.keys().count(), 0U);  // the client's user has said nothing
   EXPECT_EQ(ask(client.confirm()).result, PairResult::kOk);

@@ -21,7 +21,7 @@ class PairingServerTest : public testing::Test {
   void SetUp() override { ASSERT_TRUE(wire::start_crypto()); }
 
   wire::PairAnswer ask(const wire::PairRequest& request, PairingWay way = PairingWay::kNetwork) {
-    return server_.serve(request, way, now_);
+    return server_.serve(request, way, now_, from_);
   }
   // All steps until the client's user has confirmed: the last answer.
   wire::PairAnswer run(test::PairingClient& client, PairingWay way = PairingWay::kNetwork) {
@@ -39,6 +39,7 @@ class PairingServerTest : public testing::Test {
     return key != nullptr && key->secret == client.secrets().secret();
   }
 
+  hal::Peer from_{};
   hal::Time now_{std::chrono::seconds(1000)};
   hal::emu::Store store_;
   Keyring ring_{&store_, nullptr};

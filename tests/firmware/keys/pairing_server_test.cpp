@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -343,6 +344,70 @@ TEST_F(PairingServerTest, AMiddlemanIsSeenInTheDigits) {
               wire::commitment_of(attacker.said().client_key, attacker.said().client_nonce));
   }
   EXPECT_LE(equal, 1);  // by chance 0.01
+}
+
+TEST_F(PairingServerTest, WhatIsAskedForIsToldWithTheDigits) {
+  firmware::ChangeRing changes;
+  server_.set_changes(&changes);
+  const auto told = [&] {
+    server_.tick(now_);
+    return changes.pop();
+  };
+  EXPECT_FALSE(told());
+  server_.open(now_);
+  EXPECT_EQ(told()->value, firmware::kPairingOpen);
+  EXPECT_FALSE(told());  // once
+  from_.address = {0xFD, 1, 2};
+  PairingClient client(kSensor, PairMethod::kDigits, Role::kTune);
+  const PairRequest begin = client.begin();
+  const PairAnswer begun = ask(begin);
+  // Whoever repeats what he heard is not who began.
+  const hal::Peer own = std::exchange(from_, {.address = {0xFD, 6, 6}});
+  ASSERT_EQ(ask(begin).attempt, begun.attempt);
+  from_ = own;
+  ASSERT_EQ(ask(client.reveal(begun)).result, PairResult::kOk);
+  // What finds no room is told when there is some.
+  while (changes.push({.kind = firmware::EventKind::kSettingsChanged})) {
+  }
+  server_.tick(now_);
+  while (changes.pop()) {
+  }
+  const auto digits = told();
+  ASSERT_TRUE(digits);
+  EXPECT_EQ(digits->kind, firmware::EventKind::kPairing);
+  EXPECT_EQ(digits->value, firmware::kPairingTold + client.secrets().digits());
+  EXPECT_EQ(digits->role, Role::kTune);
+  EXPECT_EQ(digits->address, own.address);
+  EXPECT_FALSE(told());
+  server_.accept();
+  ASSERT_EQ(ask(client.confirm()).result, PairResult::kOk);
+  EXPECT_EQ(told()->kind, firmware::EventKind::kKeyMade);
+  const auto done = told();
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->value, firmware::kPairingDone);
+  EXPECT_EQ(done->role, Role::kNone);
+  now_ += PairingServer::kWindow;
+  EXPECT_FALSE(told());  // that it is over was told
+  server_.open(now_);
+  EXPECT_EQ(told()->value, firmware::kPairingOpen);
+  now_ += PairingServer::kWindow;
+  EXPECT_EQ(told()->value, firmware::kPairingClosed);
+}
+
+TEST_F(PairingServerTest, AnotherRoleThanItsClientAskedForMakesOtherDigits) {
+  int equal = 0;
+  for (int i = 0; i < 4; ++i) {
+    server_.open(now_);
+    PairingClient client(kSensor, PairMethod::kDigits, Role::kView);
+    PairRequest begin = client.begin();
+    begin.role = Role::kAdmin;  // by who stands between
+    const PairAnswer revealed = ask(client.reveal(ask(begin)));
+    EXPECT_EQ(server_.asked_role(), Role::kAdmin);
+    EXPECT_NE(wire::bytes_in<wire::Tag>(revealed.value), client.secrets().sensor_tag());
+    equal += server_.digits() == client.secrets().digits() ? 1 : 0;
+    now_ += 1s;
+  }
+  EXPECT_LE(equal, 1);  // by chance 4e-6
 }
 
 TEST(PairingNoHeap, AllocatesNothing) {

@@ -17,11 +17,14 @@
 #include <unistd.h>
 
 #include "firmware/records/record_disk.h"
+#include "firmware/wire/keys/key_table.h"
+#include "firmware/wire/keys/key_text.h"
 #include "firmware/wire/messages/conditions.h"
 #include "firmware/wire/messages/health.h"
 #include "firmware/wire/packet.h"
 #include "hal/linux/system/file_disk.h"
 #include "posix/udp_socket.h"
+#include "tests/firmware/keys/some_keys.h"
 #include "tests/firmware/program/stofd_process.h"
 
 // What was saved never keeps the program from starting; it ends and changes when it is told to.
@@ -81,6 +84,24 @@ class StofdStart : public ::testing::Test {
   fs::path dir_;
 };
 
+// Waits for a health message whose condition is active; none within a minute.
+std::optional<wire::HealthReport> hear_health(const Socket& socket, std::uint32_t bits) {
+  const auto end = Clock::now() + 60s;
+  while (Clock::now() < end) {
+    const std::vector<std::byte> bytes = socket.receive();
+    const auto packet = wire::parse_packet(bytes);
+    if (packet && packet->header.type == wire::PacketType::kHealth) {
+      const auto health = wire::decode_health_report(packet->payload);
+      if (health && (health->active & bits) == bits) {
+        return *health;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+std::uint32_t bit(wire::Condition condition) { return 1U << static_cast<unsigned>(condition); }
+
 TEST_F(StofdStart, NothingThatWasSavedKeepsItFromStarting) {
   const std::vector<std::pair<std::string, std::string>> saved{
       {R"({"serial": {"device": "/dev/nope", "mode": "stof"}})", "has no line /dev/nope"},
@@ -124,6 +145,85 @@ TEST_F(StofdStart, SettingsAndKeysAreKeptOnAPartitionWithoutFiles) {
   EXPECT_EQ(entries(), std::vector<std::string>{"disk"});
 }
 
+// Whatever is erased, and whatever size the disk gets: a sensor that has keys never starts open.
+TEST_F(StofdStart, KeysThatAreErasedOrOfAnotherDisksSizeAreNotMissing) {
+  using records::Document;
+  write("disk", "");
+  fs::resize_file(dir_ / "disk", records::kRecordsBytes);
+  {
+    const auto disk = hal::linux::FileDisk::open(path("disk"));
+    ASSERT_TRUE(disk);
+    records::RecordDisk records(**disk);
+    const auto save = [&records](Document document, std::string_view text) {
+      ASSERT_EQ(records.save(document, std::as_bytes(std::span(text))), Status::kOk);
+    };
+    save(Document::kSettings, R"({"limits": {"streams": "fixed"}})");
+    wire::KeyTable keys;
+    ASSERT_EQ(keys.add(stof::test::numbered_key(7)), Status::kOk);
+    std::array<char, wire::kMostKeyText> space{};
+    const std::span<char> text = wire::write_keys(keys, space);
+    save(Document::kKeys, {text.data(), text.size()});
+  }
+  const auto hear = [this](std::uint32_t bits, const std::string& told) {
+    const Socket socket;
+    const Stofd stofd(small({"--records", path("disk"), "--to", socket.destination}));
+    const auto health = hear_health(socket, bits);
+    stofd.signal(SIGTERM);
+    const Ended ended = stofd.end();
+    EXPECT_EQ(ended.code, 0) << ended.error;
+    EXPECT_NE(ended.out.find(told), std::string::npos) << ended.out;
+    return health;
+  };
+  const std::uint32_t open = bit(wire::Condition::kUnpaired) | bit(wire::Condition::kKeysLost);
+  fs::resize_file(dir_ / "disk", records::kRecordsBytes + records::kEraseBlockBytes);
+  const auto keyed = hear(0, "its size has changed");
+  ASSERT_TRUE(keyed);
+  EXPECT_EQ(keyed->active & open, 0U);
+  fs::resize_file(dir_ / "disk", records::kRecordsBytes);
+  {
+    const auto disk = hal::linux::FileDisk::open(path("disk"));
+    const std::vector<std::byte> page(4096);
+    for (const std::size_t area : {std::size_t{0}, records::kBetweenAreas}) {
+      for (const Document document : {Document::kKeys, Document::kSettings, Document::kLimits}) {
+        ASSERT_EQ((*disk)->write(area + records::kPlaces[number(document)], page), Status::kOk);
+      }
+    }
+  }
+  const auto health = hear(bit(wire::Condition::kKeysLost), "with the strictest limits");
+  ASSERT_TRUE(health);
+  EXPECT_TRUE(health->active & bit(wire::Condition::kSettingsDropped));
+  // Of the first area alone, without its directory, the keys' place is left.
+  fs::resize_file(dir_ / "disk", records::kPlaces[number(Document::kCalibration)]);
+  EXPECT_TRUE(hear(bit(wire::Condition::kKeysLost), "it has become smaller"));
+  fs::resize_file(dir_ / "disk", 100);
+  EXPECT_EQ(run_stofd(small({"--records", path("disk")})).code, 2)
+      << "there is nothing to start from";
+}
+
+TEST_F(StofdStart, TwoOnOneFileAreToldAndTheSecondEndsWithCodeOne) {
+  write("disk", "");
+  fs::resize_file(dir_ / "disk", records::kRecordsBytes);
+  for (const std::vector<std::string>& files : {std::vector<std::string>{"--records", path("disk")},
+                                                {"--settings", path("settings.json")},
+                                                {"--keys", path("keys")}}) {
+    const Socket socket;
+    std::vector<std::string> running = files;
+    running.insert(running.end(), {"--to", socket.destination});
+    const Stofd first(small(running));
+    EXPECT_TRUE(hear_health(socket, 0));
+    std::vector<std::string> more = files;
+    more.insert(more.end(), {"--frames", "2", "--free-run"});
+    const Ended second = run_stofd(small(more));
+    EXPECT_EQ(second.code, 1) << files.front();
+    EXPECT_NE(second.error.find("another stofd"), std::string::npos) << second.error;
+    EXPECT_EQ(std::ranges::count(second.error, '\n'), 1) << second.error;
+    first.signal(SIGKILL);  // and at once the next one
+    const Ended next = run_stofd(small(more));
+    EXPECT_EQ(next.code, 0) << files.front() << next.error;
+    first.end();
+  }
+}
+
 TEST_F(StofdStart, APortThatIsTakenIsReplaced) {
   const posix::UdpSocket other(AF_INET6);
   ASSERT_EQ(other.bind(posix::make_address(in6_addr{}, 0)), 0);
@@ -156,7 +256,10 @@ TEST_F(StofdStart, WhatIsNoRegularFileIsLeftAlone) {
   for (const char* const name : {"folder", "link", "pipe"}) {
     expect_starts(name, "no regular file, it is left alone: the defaults hold");
   }
-  EXPECT_EQ(entries(), before);
+  // Keys could be kept beside it: of these alone there is a lock.
+  std::vector<std::string> after = entries();
+  std::erase_if(after, [](const std::string& name) { return name.ends_with(".keys.lock"); });
+  EXPECT_EQ(after, before);
   EXPECT_TRUE(fs::is_directory(dir_ / "folder"));
   EXPECT_EQ(read("target"), "kept");
   expect_starts("/../../../../../../../../../dev/null", "no regular file");
@@ -189,24 +292,6 @@ TEST_F(StofdStart, TwoFailedStartsBringTheLastGoodSettingsBack) {
       run_stofd(small({"--settings", path("settings.json"), "--frames", "2", "--free-run"}));
   EXPECT_EQ(ended.out.find("last good"), std::string::npos) << ended.out;
 }
-
-// Waits for a health message whose condition is active; none within a minute.
-std::optional<wire::HealthReport> hear_health(const Socket& socket, std::uint32_t bits) {
-  const auto end = Clock::now() + 60s;
-  while (Clock::now() < end) {
-    const std::vector<std::byte> bytes = socket.receive();
-    const auto packet = wire::parse_packet(bytes);
-    if (packet && packet->header.type == wire::PacketType::kHealth) {
-      const auto health = wire::decode_health_report(packet->payload);
-      if (health && (health->active & bits) == bits) {
-        return *health;
-      }
-    }
-  }
-  return std::nullopt;
-}
-
-std::uint32_t bit(wire::Condition condition) { return 1U << static_cast<unsigned>(condition); }
 
 TEST_F(StofdStart, WhatWasDroppedIsACondition) {
   write("settings.json", R"({"serial": {"device": "/dev/nope"}, "depth": {"max_range_mm": 500}})");

@@ -59,7 +59,8 @@ class RecordsPowerCut : public testing::Test {
   void change(const std::function<Status(RecordDisk&)>& what) {
     disk_.log().clear();
     ASSERT_EQ(what(records_), Status::kOk);
-    after_ = test::read_all(records_);
+    RecordDisk done(disk_);
+    after_ = test::read_all(done);
     const Bytes end = disk_.content();
     const std::vector<Disk::Call> log = disk_.log();
     disk_.content() = base_;
@@ -241,6 +242,34 @@ TEST_F(RecordsPowerCut, WhileAnAreaIsWrittenAnewNothingIsLost) {
   EXPECT_EQ(seen_.fresh, 0);
   EXPECT_GE(seen_.points, 100);
   std::printf("%d cuts\n", seen_.points);
+}
+
+// Of a program that knew no directories: they are written at the first start, then with each save.
+TEST_F(RecordsPowerCut, WhileRecordsGetTheirDirectoriesNothingIsLost) {
+  {
+    RecordDisk records(disk_);
+    for (const Document document : {Document::kSettings, Document::kKeys, Document::kLimits}) {
+      const Bytes bytes = test::bytes_of(900, number(document));
+      ASSERT_EQ(records.save(document, bytes), Status::kOk);
+    }
+    before_ = test::read_all(records);
+  }
+  test::forget_directories(disk_.content());
+  base_ = disk_.content();
+  RecordDisk next(disk_);
+  change([&next](RecordDisk&) { return next.mend(); });
+  EXPECT_EQ(after_, before_);
+  EXPECT_EQ(seen_.bad, 0);
+  EXPECT_EQ(seen_.fresh, 0);
+  const int mended = seen_.points;
+  EXPECT_GT(mended, 0);
+  for (std::size_t area = 0; area < kAreas; ++area) {
+    EXPECT_FALSE(std::ranges::all_of(test::directory_of(disk_.content(), area),
+                                     [](std::byte byte) { return byte == std::byte{0}; }));
+  }
+  change([&next](RecordDisk&) { return next.save(Document::kKeys, test::bytes_of(800, 77)); });
+  EXPECT_EQ(seen_.bad, 0);
+  EXPECT_GT(seen_.points, mended);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,36 @@ inline Read read(RecordDisk& disk, Document document) {
   }
   space.resize(**loaded);
   return {.bytes = space};
+}
+
+inline std::span<std::byte> at(Bytes& content, std::size_t offset, std::size_t count) {
+  return std::span(content).subspan(offset, count);
+}
+
+// Where the area of a disk of these bytes lies, and the place of a document in it.
+inline std::size_t area_of(const Bytes& content, std::size_t area) {
+  return content.size() - kRecordsBytes + area * kBetweenAreas;
+}
+inline std::size_t place_of(const Bytes& content, std::size_t area, Document document) {
+  return area_of(content, area) + kPlaces[number(document)];
+}
+inline std::span<std::byte> directory_of(Bytes& content, std::size_t area) {
+  return at(content, area_of(content, area) + kDirectoryPlace, kHeadBytes);
+}
+
+// As programs wrote it that knew no directories.
+inline void forget_directories(Bytes& content) {
+  for (std::size_t area = 0; area < kAreas; ++area) {
+    std::ranges::fill(directory_of(content, area), std::byte{0});
+    for (std::size_t i = 0; i < kDocuments; ++i) {
+      const std::span<std::byte> sector =
+          at(content, place_of(content, area, static_cast<Document>(i)), kHeadBytes);
+      if (auto head = read_head(sector.first<kHeadUsed>())) {
+        head->listed = false;
+        std::ranges::copy(write_head(*head), sector.begin());
+      }
+    }
+  }
 }
 
 // What a sensor knows of all its documents.

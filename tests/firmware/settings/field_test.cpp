@@ -82,6 +82,12 @@ std::vector<std::string> samples(const Field& field) {
               "\"K\u00fcche 2\""};
     case Kind::kDevice:
       return {"\"\"", "\"/dev/ttyAMA0\"", "\"/dev/" + std::string(kDeviceBytes - 5, 'x') + "\""};
+    case Kind::kInterface:
+      return {"\"192.168.7.2/24\"", "\"223.255.255.1/30\"", "\"\""};
+    case Kind::kIpv4:
+      return {"\"192.168.7.1\"", "\"255.255.255.255\"", "\"\""};
+    case Kind::kHostname:
+      return {"\"a\"", "\"front-7\"", "\"" + std::string(kHostnameBytes, 'x') + "\""};
     case Kind::kMatch:
       for (const std::string& text : texts) {
         if (Settings unused;
@@ -179,7 +185,7 @@ TEST(Fields, RefuseWhatIsNoneOfTheirValues) {
     std::vector<std::string> wrong{"null",        "[]",  "{}",  "[1]",         "{\"a\": 1}",
                                    "\"\\u0041\"", "1.5", "1e3", "99999999999", "-99999999999"};
     if (known.kind != Kind::kMatch) {
-      if (known.kind != Kind::kText) {
+      if (known.kind != Kind::kText && known.kind != Kind::kHostname) {
         wrong.emplace_back("\"foo\"");
       }
       if (known.kind != Kind::kBoolean) {

@@ -269,6 +269,40 @@ TEST(SavedSettings, DamagedOrMissingOnesAreReplacedByTheLastGood) {
   }
 }
 
+// What somebody put on the card before the first start.
+TEST(SavedSettings, TheFirstOnesAreTakenWhereNoneWereSaved) {
+  constexpr std::string_view kFirst = R"({"name": "front", "network": {"dhcp": false}})";
+  const auto told = [](Medium& medium, hal::emu::Store& fixed, std::string_view text) {
+    std::array<char, 512> space;
+    PagedWriter line(space);
+    const SettingsStores stores{medium.current, medium.good, medium.trial, &fixed};
+    save_first(stores, text, "settings.json", line);
+    const StartSettings start = load_settings(stores, "x", nullptr, line);
+    EXPECT_EQ(start.dropped, Dropped::kNot) << line.text();
+    return std::pair(std::string(line.text()), start.settings);
+  };
+  Medium medium;
+  hal::emu::Store fixed;
+  const auto [line, first] = told(medium, fixed, kFirst);
+  EXPECT_EQ(line, "settings.json: taken as the first settings");
+  EXPECT_EQ(first.name.view(), "front");
+  EXPECT_FALSE(first.network.dhcp);
+  const auto [again, kept] = told(medium, fixed, R"({"name": "other"})");
+  EXPECT_EQ(again, "");
+  EXPECT_EQ(kept, first);
+  for (const char* const wrong : {"", "{", R"({"colour": 1})", R"({"network": {"address": "x"}})",
+                                  R"({"network": {"dhcp": false, "link_local": false}})"}) {
+    Medium empty;
+    hal::emu::Store none;
+    const auto [why, defaults] = told(empty, none, wrong);
+    EXPECT_TRUE(why.starts_with("settings.json: ")) << why;
+    EXPECT_TRUE(why.ends_with(": none of it is taken")) << why;
+    EXPECT_EQ(why.find('\n'), std::string::npos);
+    EXPECT_EQ(defaults, Settings{});
+    EXPECT_EQ(empty.current.saves(), 0);
+  }
+}
+
 // What an installer fixed is as strict as it was, whatever becomes of the settings.
 TEST(SavedSettings, DroppedOnesLeaveWhatAnInstallerFixed) {
   Settings saved = named("a");
@@ -314,10 +348,10 @@ TEST(SavedSettings, DroppedOnesLeaveWhatAnInstallerFixed) {
 }
 
 TEST(SavedSettings, WhereNobodyKnowsWhatWasFixedTheStrictestHolds) {
-  for (const char* const record :
-       {"", "{", "{}", R"({"serial": {"remote": false}})",
-        R"({"name": "x", "serial": {"remote": false}, "limits": {"least_range_mm": 500, )"
-        R"("least_period_ms": 0, "most_period_ms": 1000, "streams": "none"}})"}) {
+  constexpr const char* kNamesMore =
+      R"({"name": "x", "serial": {"remote": false}, "limits": {"least_range_mm": 500, )"
+      R"("least_period_ms": 0, "most_period_ms": 1000, "streams": "none"}})";
+  for (const char* const record : {"", "{", "{}", R"({"serial": {"remote": false}})", kNamesMore}) {
     Medium medium;
     hal::emu::Store fixed;
     put(fixed, record);
@@ -332,6 +366,38 @@ TEST(SavedSettings, WhereNobodyKnowsWhatWasFixedTheStrictestHolds) {
     EXPECT_GT(started.settings.limits.least_period_ms, started.settings.limits.most_period_ms);
     EXPECT_NE(line.text().find("with the strictest limits"), std::string_view::npos) << line.text();
   }
+}
+
+// Settings that are gone, and limits that cannot be read any more, are no sensor that is new.
+TEST(SavedSettings, MissingOnesBesideLimitsThatAreDamagedAreTold) {
+  Medium medium;
+  hal::emu::Store fixed;
+  std::array<char, 320> space;
+  PagedWriter line(space);
+  const SettingsStores stores{medium.current, medium.good, medium.trial, &fixed};
+  EXPECT_EQ(load_settings(stores, "x.json", nullptr, line).dropped, Dropped::kNot);
+  put(fixed, "{");
+  const StartSettings started = load_settings(stores, "x.json", nullptr, line);
+  EXPECT_EQ(started.dropped, Dropped::kMissing);
+  EXPECT_TRUE(started.strictest);
+  EXPECT_EQ(started.settings.limits.streams, StreamLimit::kFixed);
+}
+
+// A version before the network's settings wrote it.
+TEST(SavedSettings, ARecordWithoutTheNetworkIsWhole) {
+  Medium medium;
+  hal::emu::Store fixed;
+  put(fixed,
+      R"({"serial": {"remote": false}, "limits": {"least_range_mm": 4000, "least_period_ms": 0, )"
+      R"("most_period_ms": 1000, "streams": "none"}})");
+  put(medium.current, "{");
+  std::array<char, 320> space;
+  PagedWriter line(space);
+  const StartSettings started =
+      load_settings({medium.current, medium.good, medium.trial, &fixed}, "x.json", nullptr, line);
+  EXPECT_FALSE(started.strictest) << line.text();
+  EXPECT_EQ(started.settings.limits.least_range_mm, 4000);
+  EXPECT_EQ(started.settings.network, NetworkSettings{});
 }
 
 TEST(SettingsTrial, AnEndThatWasAskedForIsNoFailedStart) {

@@ -13,9 +13,9 @@
 namespace stof::host {
 namespace {
 
+using test::put_wall;
 using test::record;
 using test::SimulatedCamera;
-using test::write_wall;
 
 class CalibPmd : public test::Scratch {
  protected:
@@ -31,7 +31,7 @@ class CalibPmd : public test::Scratch {
 
   void put_walls(const std::vector<double>& distances, const std::string& more = "") {
     for (const double z : distances) {
-      write_wall(options_.folder, record(camera_, z, 4, 5), more);
+      put_wall(options_.folder, record(camera_, z, 4, 5), more);
     }
   }
 
@@ -97,7 +97,7 @@ TEST_F(CalibPmd, WritesNoFileOfAModelThatDoesNotExplainTheWallsUnlessForced) {
   put_walls({0.7, 1.1, 1.5, 2, 2.5, 3});
   WallRecording mistyped = record(camera_, 1.3, 4, 5);
   mistyped.z_m = 1.8;
-  write_wall(options_.folder, mistyped);
+  put_wall(options_.folder, mistyped);
   options_.plots = folder() / "plots";
   expect_refused("walls: the model does not explain these walls, no file is written");
   const auto page = [this] {

@@ -12,8 +12,8 @@
 namespace stof::test {
 
 // PREFIX.json and PREFIX_raw.pgm as a user leaves them in a folder; `more` are further keys.
-inline void write_wall(const std::filesystem::path& folder, const host::WallRecording& wall,
-                       const std::string& more = "") {
+inline void put_wall(const std::filesystem::path& folder, const host::WallRecording& wall,
+                     const std::string& more = "") {
   const dsp::PmdSensor& sensor = wall.recording.calibration.pmd;
   const dsp::Pinhole& lens = sensor.lens;
   std::ofstream(folder / (wall.name + ".json"))

@@ -56,73 +56,75 @@ void set_condition(CheckFacts& facts, wire::Condition condition) {
 
 TEST(Checks, FindNothingWhereAllIsInOrder) {
   for (const Check& check : judge_checks(good())) {
-    EXPECT_EQ(check.verdict, Verdict::kOk) << check.name << ": " << check.found;
+    EXPECT_EQ(check.verdict, CheckVerdict::kOk) << check.name << ": " << check.found;
     EXPECT_EQ(check.fix, "");
     EXPECT_NE(check.found, "");
   }
-  EXPECT_EQ(worst_of(judge_checks(good())), Verdict::kOk);
+  EXPECT_EQ(worst_of(judge_checks(good())), CheckVerdict::kOk);
 }
 
 struct Wrong {
   const char* name;
-  Verdict verdict;
+  CheckVerdict verdict;
   const char* fix;  // part of it
   std::function<void(CheckFacts&)> make;
 };
 
 TEST(Checks, SayWhatIsWrongAndWhatToDoInOneLine) {
   const Wrong all[] = {
-      {"firewall", Verdict::kNote, "7561", [](CheckFacts& f) { f.beacon_heard = false; }},
-      {"firewall", Verdict::kFix, "output", [](CheckFacts& f) { f.sending_refused = true; }},
-      {"mtu", Verdict::kFix, "ip link set dev eth0 mtu 1500",
+      {"firewall", CheckVerdict::kNote, "7561", [](CheckFacts& f) { f.beacon_heard = false; }},
+      {"firewall", CheckVerdict::kFix, "output", [](CheckFacts& f) { f.sending_refused = true; }},
+      {"mtu", CheckVerdict::kFix, "ip link set dev eth0 mtu 1500",
        [](CheckFacts& f) { f.network.mtu = 1279; }},
-      {"mtu", Verdict::kNote, "", [](CheckFacts& f) { f.network.mtu.reset(); }},
-      {"buffers", Verdict::kFix, "sysctl -w net.core.rmem_max=4194304",
+      {"mtu", CheckVerdict::kNote, "", [](CheckFacts& f) { f.network.mtu.reset(); }},
+      {"buffers", CheckVerdict::kFix, "sysctl -w net.core.rmem_max=4194304",
        [](CheckFacts& f) { f.buffer = 212'992; }},
-      {"buffers", Verdict::kFix, "too slow",
+      {"buffers", CheckVerdict::kFix, "too slow",
        [](CheckFacts& f) { f.stats.counts.socket_drops = 1; }},
-      {"link", Verdict::kFix, "streams.parity",
+      {"link", CheckVerdict::kFix, "streams.parity",
        [](CheckFacts& f) { f.stats.counts.frames_lost = 1; }},  // 1 of 51
-      {"link", Verdict::kNote, "streams.parity",
+      {"link", CheckVerdict::kNote, "streams.parity",
        [](CheckFacts& f) {
          f.stats.counts.frames_complete = 1000;
          f.stats.counts.frames_incomplete = 1;
        }},
-      {"link", Verdict::kFix, "damaged",
+      {"link", CheckVerdict::kFix, "damaged",
        [](CheckFacts& f) {
          f.stats.counts.frames_lost = 5;
          f.stats.counts.bad_crc = 9;
        }},
-      {"link", Verdict::kFix, "streams.parity", [](CheckFacts& f) { f.stats.silences = 1; }},
-      {"link", Verdict::kFix, "nearly full",  // 50,000 packets in 4.9 s: 104 Mbit/s
+      {"link", CheckVerdict::kFix, "streams.parity", [](CheckFacts& f) { f.stats.silences = 1; }},
+      {"link", CheckVerdict::kFix, "nearly full",  // 50,000 packets in 4.9 s: 104 Mbit/s
        [](CheckFacts& f) {
          f.stats.counts.packets_ok = 50'000;
          f.network.speed_mbit = 100;
        }},
-      {"clock", Verdict::kNote, "timedatectl",
+      {"clock", CheckVerdict::kNote, "timedatectl",
        [](CheckFacts& f) { f.network.clock_synchronised = false; }},
-      {"clock", Verdict::kNote, "", [](CheckFacts& f) { f.clock = wire::ClockState::kRecorded; }},
-      {"clock", Verdict::kFix, "two senders",
+      {"clock", CheckVerdict::kNote, "",
+       [](CheckFacts& f) { f.clock = wire::ClockState::kRecorded; }},
+      {"clock", CheckVerdict::kFix, "two senders",
        [](CheckFacts& f) { f.stats.figures.take(client::Frame{}, 6); }},
-      {"calibration", Verdict::kFix, "stof calib install",
+      {"calibration", CheckVerdict::kFix, "stof calib install",
        [](CheckFacts& f) { f.calibration.reset(); }},
-      {"calibration", Verdict::kFix, "restart", [](CheckFacts& f) { f.other_calibration = true; }},
-      {"calibration", Verdict::kFix, "docs/CALIBRATION.md",
+      {"calibration", CheckVerdict::kFix, "restart",
+       [](CheckFacts& f) { f.other_calibration = true; }},
+      {"calibration", CheckVerdict::kFix, "docs/CALIBRATION.md",
        [](CheckFacts& f) { f.drift = ", drift: pitch 0.1 +- 0.01 deg"; }},
-      {"calibration", Verdict::kFix, "docs/CALIBRATION.md",
+      {"calibration", CheckVerdict::kFix, "docs/CALIBRATION.md",
        [](CheckFacts& f) { set_condition(f, wire::Condition::kDrift); }},
-      {"calibration", Verdict::kFix, "stof calib install FILE front",
+      {"calibration", CheckVerdict::kFix, "stof calib install FILE front",
        [](CheckFacts& f) { set_condition(f, wire::Condition::kCalibrationDropped); }},
-      {"health", Verdict::kFix, "stof health front",
+      {"health", CheckVerdict::kFix, "stof health front",
        [](CheckFacts& f) { f.health->report.severity = wire::Severity::kMajor; }},
-      {"health", Verdict::kNote, "", [](CheckFacts& f) { f.health.reset(); }},
-      {"key", Verdict::kNote, "stof pair front",
+      {"health", CheckVerdict::kNote, "", [](CheckFacts& f) { f.health.reset(); }},
+      {"key", CheckVerdict::kNote, "stof pair front",
        [](CheckFacts& f) { set_condition(f, wire::Condition::kUnpaired); }},
-      {"key", Verdict::kFix, "stof pair front",
+      {"key", CheckVerdict::kFix, "stof pair front",
        [](CheckFacts& f) { set_condition(f, wire::Condition::kKeysLost); }},
-      {"version", Verdict::kNote, "stof update",
+      {"version", CheckVerdict::kNote, "stof update",
        [](CheckFacts& f) { f.identity->version = "1.2.2"; }},
-      {"version", Verdict::kNote, "",
+      {"version", CheckVerdict::kNote, "",
        [](CheckFacts& f) {
          f.identity.reset();
          f.no_identity = "no answer";
@@ -135,7 +137,7 @@ TEST(Checks, SayWhatIsWrongAndWhatToDoInOneLine) {
     EXPECT_EQ(check.verdict, wrong.verdict) << wrong.name << ": " << check.found;
     EXPECT_NE(check.fix.find(wrong.fix), std::string::npos) << check.fix;
     EXPECT_EQ((check.found + check.fix).find('\n'), std::string::npos);
-    EXPECT_TRUE(check.verdict != Verdict::kFix || !check.fix.empty()) << check.name;
+    EXPECT_TRUE(check.verdict != CheckVerdict::kFix || !check.fix.empty()) << check.name;
   }
 }
 
@@ -158,7 +160,7 @@ TEST(Checks, SayWhyNothingComes) {
             std::string::npos);
   const Check wall =
       check_of(without_frames([](CheckFacts& f) { f.subscribed = true; }), "firewall");
-  EXPECT_EQ(wall.verdict, Verdict::kFix);
+  EXPECT_EQ(wall.verdict, CheckVerdict::kFix);
   EXPECT_NE(wall.fix.find("udp sport 7560 accept"), std::string::npos) << wall.fix;
   // What nobody can know without a frame is not judged.
   EXPECT_EQ(judge_checks(without_frames([](CheckFacts& /*facts*/) {})).size(), 4U);
@@ -178,7 +180,7 @@ TEST(Checks, OfThisMachineItselfWantNoBeacon) {
   CheckFacts facts = good();
   facts.beacon_heard = false;
   facts.network.loopback = true;
-  EXPECT_EQ(check_of(facts, "firewall").verdict, Verdict::kOk);
+  EXPECT_EQ(check_of(facts, "firewall").verdict, CheckVerdict::kOk);
 }
 
 }  // namespace

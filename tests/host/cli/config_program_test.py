@@ -132,6 +132,8 @@ class Config(unittest.TestCase):
     def test_a_stranger_cannot_keep_the_sensor_from_starting(self):
         self.start()
         before = self.ask("get")
+        self.refuse(2, "network: the addresses of this machine are its administrator's", self.address, "set", "network.dhcp=false",
+                    "--timeout", ANSWER_S)
         for device in ("/dev/watchdog0", "/dev/nope", "/dev/pts/0"):
             self.refuse(2, "serial.device: takes a line of board emu", self.address, "set", f"serial.device={device}", "--timeout", ANSWER_S)
             self.refuse(2, "serial.device: takes a line of board emu", self.address, "set", "name=x", f"serial.device={device}",

@@ -128,6 +128,10 @@ TEST_F(ConfigTest, StagesCommitsAndReverts) {
             "depth.temporal      true  (default false)\n");
   EXPECT_EQ(Json::parse(run({"diff"}, {.json = true}))["depth.guided"]["value"], true);
   EXPECT_TRUE(run({"reset"}).starts_with("revision 4, every setting at its default"));
+  static_cast<void>(run({"set", "name=front"}));
+  EXPECT_NE(run({"reset"}).find("it was called \"front\" and is called \"stof\" now\n"),
+            std::string::npos);
+  EXPECT_EQ(run({"reset"}).find("called"), std::string::npos);
   EXPECT_EQ(run({"diff"}), "every setting is at its default\n");
   EXPECT_EQ(Json::parse(run({"schema"}))["type"], "object");
 }

@@ -168,7 +168,7 @@ class Pair(unittest.TestCase):
         self.until("no window", opened)
 
     def digits(self):
-        return self.until("no digits", lambda: re.search(r"the digits are (\d{3} \d{3})\.", self.said()))[1]
+        return self.until("no digits", lambda: re.search(r"the digits are (\d{3} \d{3}),", self.said()))[1]
 
     def run_stof(self, *words, timeout_s=ANSWER_S):
         return subprocess.run([*COMMAND, *map(str, words), "--timeout", str(timeout_s)], capture_output=True, text=True, timeout=120,
@@ -237,7 +237,9 @@ class Pair(unittest.TestCase):
         self.assertFalse(self.keys.exists())  # nobody has accepted them at the sensor
         out, error = window.communicate(digits + "\n", timeout=ENOUGH_S)
         self.assertEqual((window.returncode, error), (0, ""), out)
-        self.assertIn(f"digits are {digits.replace(' ', '')}: type them into stof pair", out)
+        asked = "role tune, asked for by 127.0.0.1"
+        self.assertIn(f"the digits are {digits}, {asked}. Type them", self.said())
+        self.assertIn(f"digits are {digits.replace(' ', '')}, {asked}: type them into stof pair", out)
         made = re.search(r"key ([0-9a-f]{8}) is in force", out)[1]
         out, error = pairing.communicate(timeout=ENOUGH_S)
         self.assertEqual((pairing.returncode, error), (0, ""), out)

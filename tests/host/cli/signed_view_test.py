@@ -162,14 +162,18 @@ class SignedView(unittest.TestCase):
         self.assertEqual(self.view(self.between(strip), "--frames", 10).returncode, 0)
 
     def test_a_stream_that_is_slowed_is_refused_however_long_it_goes_on(self):
-        port = self.between(lambda datagram: [datagram], due=lambda came: came / 0.5)
-        view = subprocess.Popen([*COMMAND, "view", f"127.0.0.1:{port}", "--signed", "--keys", str(self.keys)],
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        time.sleep(6)  # 37 frames of 75, the last of them three seconds old
-        view.send_signal(signal.SIGINT)
-        out, error = view.communicate(timeout=ENOUGH_S)
-        self.assertLess(int(re.search(r"(\d+) frames received", out)[1]), 10, out + error)
-        self.assertGreater(int(re.search(r"(\d+) frames too old", out)[1]), 15, out)
+        for seconds in (6, 60):  # 37 frames of 75, the last of them three seconds old; a busy machine has fewer
+            port = self.between(lambda datagram: [datagram], due=lambda came: came / 0.5)
+            view = subprocess.Popen([*COMMAND, "view", f"127.0.0.1:{port}", "--signed", "--keys", str(self.keys)],
+                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            time.sleep(seconds)
+            view.send_signal(signal.SIGINT)
+            out, error = view.communicate(timeout=ENOUGH_S)
+            self.assertLess(int(re.search(r"(\d+) frames received", out)[1]), 10, out + error)
+            late = sum(map(int, re.findall(r"(\d+) frames too old", out)))
+            if late > 15:
+                break
+        self.assertGreater(late, 15, out)
         self.assertRegex(out, "link:.* delayed")
 
     def test_a_way_that_became_longer_is_taken_when_a_new_key_proves_it(self):

@@ -146,14 +146,19 @@ TEST(EventLine, SaysWhatToDo) {
 }
 
 TEST(EventLine, SaysWhoChangedTheSettings) {
-  const auto changed_by = [](std::uint32_t value) {
+  const auto changed_by = [](std::uint32_t value, std::uint32_t former = 0) {
     return event_line({.condition = static_cast<std::uint8_t>(wire::Condition::kSettingsChanged),
                        .active = 1,
-                       .value = value});
+                       .value = value,
+                       .former = former});
   };
   EXPECT_NE(changed_by(0x0A000007).find("(by the address that ends in 10.0.0.7)"),
             std::string::npos);
   EXPECT_NE(changed_by(0).find("(by the serial line)"), std::string::npos);
+  EXPECT_NE(changed_by(0, 1).find("(by the serial line; the network is on trial)"),
+            std::string::npos);
+  EXPECT_NE(changed_by(0, 2).find("(the network is as before: nobody saved its change in time)"),
+            std::string::npos);
 }
 
 TEST(EventLine, SaysWhichCalibrationCameInPlaceOfWhich) {

@@ -28,18 +28,18 @@ class PmdFind : public test::Scratch {
 };
 
 TEST_F(PmdFind, TellsKindsFromFilesAndFields) {
-  test::write_wall(in("walls"), record(camera_, 1, 1, 1), ", \"camera_seed\": 3");
-  test::write_wall(in("side"), record(camera_, 1, 1, 1), ", \"emitters\": [[0.1, 0, 0]]");
-  test::write_wall(in("both"), record(camera_, 1, 1, 1),
-                   ", \"emitters\": [[0.1, 0, 0], [-0.1, 0, 0]]");
+  test::put_wall(in("walls"), record(camera_, 1, 1, 1), ", \"camera_seed\": 3");
+  test::put_wall(in("side"), record(camera_, 1, 1, 1), ", \"emitters\": [[0.1, 0, 0]]");
+  test::put_wall(in("both"), record(camera_, 1, 1, 1),
+                 ", \"emitters\": [[0.1, 0, 0], [-0.1, 0, 0]]");
   test::write_edge(in("edge"), "edge", camera_, Board{});
   host::WallRecording frequency = record(camera_, 3, 1, 1);
   frequency.name = "b";
-  test::write_wall(in("tones"), frequency, ", \"pair\": [25e6, 30e6]");
+  test::put_wall(in("tones"), frequency, ", \"pair\": [25e6, 30e6]");
   camera_.f_mod_hz = 25'000'000;
   frequency = record(camera_, 3, 1, 1);
   frequency.name = "c";
-  test::write_wall(in("tones"), frequency, ", \"pair\": [25e6, 30e6]");
+  test::put_wall(in("tones"), frequency, ", \"pair\": [25e6, 30e6]");
   test::write_frame(in("frame"));
   put("walls/32x24_fppn.pgm", "P5\n");
   const dataset::Loaded<PmdFolders> found = find_pmd(folder());
@@ -57,7 +57,7 @@ TEST_F(PmdFind, TellsKindsFromFilesAndFields) {
 }
 
 TEST_F(PmdFind, NamesWhatACalibrationIsNotUsedWith) {
-  test::write_wall(in("walls"), record(camera_, 1, 1, 1));
+  test::put_wall(in("walls"), record(camera_, 1, 1, 1));
   dsp::Calibration rig;
   rig.pmd = record(camera_, 1, 1, 1).recording.calibration.pmd;
   const auto notes = [this, &rig] {
@@ -80,10 +80,10 @@ TEST_F(PmdFind, NamesWhatACalibrationIsNotUsedWith) {
 }
 
 TEST_F(PmdFind, NamesWhatHasNoSceneOrNoSecondFrequency) {
-  test::write_wall(in("walls"), record(camera_, 1, 1, 1));
+  test::put_wall(in("walls"), record(camera_, 1, 1, 1));
   host::WallRecording one = record(camera_, 3, 1, 1);
   one.name = "alone";
-  test::write_wall(in("tones"), one, ", \"pair\": [30e6, 25e6]");
+  test::put_wall(in("tones"), one, ", \"pair\": [30e6, 25e6]");
   put("odd/blank.json", "{\"width\": 4}");
   put("odd/blank_raw.pgm", "");
   const dataset::Loaded<PmdFolders> found = find_pmd(folder());

@@ -64,7 +64,7 @@ inline void write_edge(const std::filesystem::path& folder, const std::string& n
           static_cast<std::uint16_t>(std::lround(share * samples[i] + (1 - share) * other));
     }
   }
-  write_wall(folder, wall, noise_of(camera) + more);
+  put_wall(folder, wall, noise_of(camera) + more);
   std::vector<double> least = radial(camera, board.near_m);
   std::vector<double> most = radial(camera, board.far_m);
   std::vector<double> middle = least;

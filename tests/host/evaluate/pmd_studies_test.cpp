@@ -19,7 +19,7 @@ class PmdStudies : public test::Scratch {
  protected:
   void put_walls(const std::vector<double>& z_m, const std::string& more = "") const {
     for (const double z : z_m) {
-      test::write_wall(folder(), record(camera_, z, 8, 11), test::noise_of(camera_) + more);
+      test::put_wall(folder(), record(camera_, z, 8, 11), test::noise_of(camera_) + more);
     }
   }
   PmdEvaluation evaluate() const {
@@ -120,7 +120,7 @@ TEST_F(PmdStudies, ATurnThatIsWrongIsCounted) {
     camera_.f_mod_hz = static_cast<std::uint32_t>(mhz) * 1'000'000;
     host::WallRecording wall = record(camera_, 8, 2, 3);
     wall.name = "f" + std::to_string(mhz);
-    test::write_wall(folder(), wall, test::noise_of(camera_) + ", \"pair\": [30e6, 25e6]");
+    test::put_wall(folder(), wall, test::noise_of(camera_) + ", \"pair\": [30e6, 25e6]");
   }
   // The truth says 4 m: no reading is right.
   test::write_map(folder() / "f30_r_med.pgm", camera_, test::radial(camera_, 4));
@@ -138,7 +138,7 @@ TEST_F(PmdStudies, ATurnThatIsRightIsNotCountedAsWrong) {
     camera_.white_lsb = 15'000;
     host::WallRecording wall = record(camera_, 6, 2, 3);
     wall.name = "f" + std::to_string(mhz);
-    test::write_wall(folder(), wall, test::noise_of(camera_) + ", \"pair\": [30e6, 25e6]");
+    test::put_wall(folder(), wall, test::noise_of(camera_) + ", \"pair\": [30e6, 25e6]");
   }
   test::write_map(folder() / "f30_r_med.pgm", camera_, test::radial(camera_, 6));
   const PmdEvaluation found = evaluate();

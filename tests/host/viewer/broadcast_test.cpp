@@ -15,8 +15,8 @@ namespace {
 // A page, and what it has been sent.
 class Reader {
  public:
-  explicit Reader(Broadcast& all, const std::string& why_not = "")
-      : conversation_(all.open_conversation(why_not)) {}
+  explicit Reader(Broadcast& all, const Visitor& visitor = {})
+      : conversation_(all.open_conversation(visitor)) {}
 
   bool say(std::string_view message) { return conversation_->take(message); }
   // "" where nothing is due; "frame" and its facts, or the text. What says whether it may have
@@ -161,9 +161,13 @@ class ServingTest : public testing::Test {
   nlohmann::json next_json(Reader& page) { return nlohmann::json::parse(page.next()); }
 
   std::vector<std::pair<Wish, Answer>> wishes_;
+  std::vector<Page> pages_;  // whose they are
   int woken_ = 0;
   Broadcast all_{"hello", std::chrono::hours(1),
-                 [this](Wish wish, Answer answer) { wishes_.emplace_back(wish, answer); },
+                 [this](const Page& page, Wish wish, Answer answer) {
+                   wishes_.emplace_back(wish, answer);
+                   pages_.push_back(page);
+                 },
                  [this] { ++woken_; }};
 };
 
@@ -202,7 +206,7 @@ TEST_F(ServingTest, AWishWithoutItsTicketIsRefused) {
 }
 
 TEST_F(ServingTest, APageThatMayNotIsToldWhyAndGetsNoTicket) {
-  Reader page(all_, "it is elsewhere");
+  Reader page(all_, {.why_not = "it is elsewhere"});
   page.next();
   page.next();
   EXPECT_EQ(page.rights()["may"], false);
@@ -211,6 +215,51 @@ TEST_F(ServingTest, APageThatMayNotIsToldWhyAndGetsNoTicket) {
   ASSERT_TRUE(page.say(record("")));
   EXPECT_EQ(next_json(page)["text"], "it is elsewhere");
   EXPECT_TRUE(wishes_.empty());
+}
+
+TEST_F(ServingTest, WhoServesKnowsWhichConnectionAsksAndWhetherItIsThere) {
+  std::optional<Reader> page(std::in_place, all_);
+  Reader other(all_, {.place = "192.0.2.7"});
+  for (Reader* const one : {&*page, &other}) {
+    one->next();
+    one->next();
+    ASSERT_TRUE(one->say(record(one->ticket())));
+  }
+  ASSERT_EQ(pages_.size(), 2U);
+  EXPECT_EQ(pages_[0].place, "this computer");
+  EXPECT_EQ(pages_[1].place, "192.0.2.7");
+  EXPECT_NE(pages_[0].number, pages_[1].number);
+  EXPECT_EQ(page->rights()["page"], pages_[0].number);
+  EXPECT_EQ(other.rights()["page"], pages_[1].number);
+  EXPECT_TRUE(pages_[0].connected());
+  page.reset();
+  EXPECT_FALSE(pages_[0].connected());
+  EXPECT_TRUE(pages_[1].connected());
+  // Who comes again is another one.
+  Reader again(all_);
+  again.next();
+  again.next();
+  EXPECT_NE(again.rights()["page"], pages_[0].number);
+}
+
+TEST_F(ServingTest, APageThatMayNotPairDoesAllElse) {
+  Reader page(all_, {.why_not_pair = "it is elsewhere", .place = "192.0.2.7"});
+  page.next();
+  page.next();
+  EXPECT_EQ(page.rights()["may"], true);
+  EXPECT_EQ(page.rights()["why_not_pair"], "it is elsewhere");
+  const std::string end = R"(,"id":7,"ticket":")" + page.ticket() + "\"}";
+  for (const std::string& wish :
+       {R"({"do":"pair","code":"","role":"admin")" + end,
+        R"({"do":"digits","digits":"123456")" + end, R"({"do":"end_pairing")" + end}) {
+    ASSERT_TRUE(page.say(wish));
+    const nlohmann::json answer = next_json(page);
+    EXPECT_EQ(answer["done"], false);
+    EXPECT_EQ(answer["text"], "it is elsewhere");
+  }
+  EXPECT_TRUE(wishes_.empty());
+  ASSERT_TRUE(page.say(record(page.ticket())));
+  EXPECT_EQ(wishes_.size(), 1U);
 }
 
 TEST_F(ServingTest, AtMostEightWishesAreOpen) {

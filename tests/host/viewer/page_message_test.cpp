@@ -115,5 +115,19 @@ TEST(PageMessage, RefusesWhatIsNotAsWritten) {
   }
 }
 
+TEST(PageMessage, RefusesWhatNamesAMemberTwice) {
+  for (const char* const members :
+       {R"("do":"settings","do":"save")", R"("do":"save","id":1)", R"("ticket":"t","do":"save")",
+        R"("do":"set","settings":{"a":1,"b":2,"a":1})",
+        R"("do":"set","settings":{"a":1},"settings":{"a":1})",
+        R"("do":"set","settings":{"a":1,"\u0061":2})"}) {
+    EXPECT_FALSE(parse_page_message(R"({"id":1,"ticket":"t",)" + std::string(members) + "}"))
+        << members;
+  }
+  EXPECT_FALSE(parse_page_message(R"({"show":["depth"],"frames":1,"frames":2,"quiet":false})"));
+  // The same name in two objects is none twice.
+  EXPECT_TRUE(parse_page_message(R"({"id":1,"ticket":"t","do":"set","settings":{"id":1}})"));
+}
+
 }  // namespace
 }  // namespace stof::viewer

@@ -29,6 +29,23 @@ TEST(PageRights, OfOtherMachinesTakeAFlagOfTheirOwn) {
             PageRight::kNoPage);
 }
 
+TEST(PageRights, PairingTakesAPageOfThisMachinesUserWhateverLetsOthersControl) {
+  const PageOrigin mine{.loopback = true, .user = kMe, .names_origin = true};
+  const PageOrigin elsewhere{.address = "192.0.2.7", .user = kMe, .names_origin = true};
+  const PageOrigin others{.loopback = true, .user = 1001, .names_origin = true};
+  EXPECT_EQ(judge_pairing(mine, kMe), PageRight::kGranted);
+  EXPECT_EQ(judge_pairing(elsewhere, kMe), PageRight::kOtherMachine);
+  EXPECT_EQ(judge_pairing(others, kMe), PageRight::kOtherUser);
+  EXPECT_EQ(judge_pairing({.loopback = true, .user = kMe}, kMe), PageRight::kNoPage);
+  for (const PageRight right :
+       {PageRight::kOtherMachine, PageRight::kOtherUser, PageRight::kNoPage}) {
+    EXPECT_STRNE(pairing_reason(right), "");
+  }
+  EXPECT_STREQ(pairing_reason(PageRight::kGranted), "");
+  EXPECT_EQ(place_of(mine), "this computer");
+  EXPECT_EQ(place_of(elsewhere), "192.0.2.7");
+}
+
 constexpr const char* kTable =
     "  sl  local_address rem_address   st tx_queue rx_queue tr tm->when retrnsmt   uid  timeout "
     "inode\n"

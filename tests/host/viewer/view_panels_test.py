@@ -83,8 +83,8 @@ class Pairing(Panels):
 
     def digits(self, sensor, number):
         """Of that attempt, as the sensor tells them."""
-        await_("digits", lambda: len(re.findall(r"the digits are (\d{3} \d{3})\.", sensor.text())) >= number)
-        return re.findall(r"the digits are (\d{3} \d{3})\.", sensor.text())[number - 1]
+        await_("digits", lambda: len(re.findall(r"the digits are (\d{3} \d{3}),", sensor.text())) >= number)
+        return re.findall(r"the digits are (\d{3} \d{3}),", sensor.text())[number - 1]
 
     def test_a_page_pairs_by_button_and_digits_and_sees_no_key(self):
         sensor = self.sensor()
@@ -100,6 +100,18 @@ class Pairing(Panels):
             # Those of here are told once somebody has given those of the sensor.
             self.assertEqual(self.begin(page, "digits")["ours"], "")
             self.assertFalse(page.wish("pair", code="", role="admin")["done"])  # one is under way
+            # Another page sees who asks for what, and is refused in one line.
+            with WebSocket(view.port) as other:
+                state = other.until("pairing", lambda told: told["step"] == "digits")
+                self.assertEqual((state["role"], state["by"]["place"]), ("admin", "this computer"))
+                self.assertEqual(state["by"]["page"], page.told["rights"]["page"])
+                self.assertNotEqual(state["by"]["page"], other.until("rights")["page"])
+                for what, members in (("digits", {"digits": self.digits(sensor, 1)}), ("end_pairing", {})):
+                    answer = other.wish(what, **members)
+                    self.assertEqual((answer["done"], answer["text"]),
+                                     (False, "another page, of this computer, began this: only that page goes on with it or ends it"))
+                self.assertIn("a pairing is under way", other.wish("pair", code="", role="view")["text"])
+                self.assertEqual((other.told["pairing"]["step"], other.told["pairing"]["given"]), ("digits", ""))
             for wrong in ("12345", "1234567", ""):
                 self.assertFalse(page.wish("digits", digits=wrong)["done"])
             true = self.digits(sensor, 1).replace(" ", "")
@@ -113,10 +125,18 @@ class Pairing(Panels):
             self.begin(page, "digits")
             self.assertTrue(page.wish("end_pairing")["done"])
             self.assertIn("given up", page.until("pairing", lambda told: told["step"] == "failed")["text"])
+            # Its page is closed.
+            self.press(sensor)
+            with WebSocket(view.port) as other:
+                self.begin(other, "digits", role="tune")
+            state = page.until("pairing", lambda told: told["step"] == "failed" and told["role"] == "tune")
+            self.assertEqual(state["text"], "the page that began the pairing was closed: nothing was paired")
             # And well.
             self.press(sensor)
             self.begin(page, "digits")
-            self.assertTrue(page.wish("digits", digits=self.digits(sensor, 3))["done"])
+            self.digits(sensor, 4)
+            self.assertIn("role admin, asked for by 127.0.0.1. Type them", sensor.text())
+            self.assertTrue(page.wish("digits", digits=self.digits(sensor, 4))["done"])
             state = page.until("pairing", lambda told: told["step"] == "accept")
             self.assertEqual(state["given"], state["ours"])
             sensor.process.send_signal(signal.SIGUSR2)
@@ -140,10 +160,17 @@ class Pairing(Panels):
         lan = self.start(View, sensor, "--http-port", "0", "--lan", "--lan-control", name="lan")
         token = re.search(r"\?token=([0-9a-f]{32})$", lan.addresses[0])[1]
         with WebSocket(lan.port, token=token) as page:
-            self.assertEqual(page.until("pairing", lambda told: told["offer"] != "")["takes_code"], False)
-            answer = page.wish("pair", code=CODE, role="tune")
-            self.assertFalse(answer["done"])
-            self.assertIn("others may read this network", answer["text"])
+            self.assertEqual(page.until("rights")["why_not_pair"], "")  # it is of this machine
+        if len(lan.addresses) > 1:  # this machine has a network
+            address = re.match(r"http://([0-9.]+):", lan.addresses[1])[1]
+            with WebSocket(lan.port, token=token, address=address) as page:
+                self.assertTrue(page.until("rights")["may"])
+                for what, members in (("pair", {"code": "", "role": "admin"}), ("pair", {"code": CODE, "role": "admin"}),
+                                      ("digits", {"digits": "123456"}), ("end_pairing", {})):
+                    answer = page.wish(what, **members)
+                    self.assertFalse(answer["done"])
+                    self.assertIn("only a page on the machine of stof view pairs", answer["text"])
+                self.assertEqual(page.until("pairing")["step"], "none")
         self.assertEqual(lan.stop(), 0)
         view = self.start(View, sensor, "--http-port", "0")
         with WebSocket(view.port) as page:

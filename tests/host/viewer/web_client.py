@@ -54,15 +54,15 @@ def get(port, path="/", host=None, method="GET", **headers):
 
 
 class WebSocket:
-    """origin None: the server's own, "": none."""
+    """origin None: the server's own, "": none. address: of this machine, at which the server is asked."""
 
-    def __init__(self, port, host=None, origin=None, token=None, subprotocol=SUBPROTOCOL, receive_buffer=None):
-        host = host or f"127.0.0.1:{port}"
+    def __init__(self, port, host=None, origin=None, token=None, subprotocol=SUBPROTOCOL, receive_buffer=None, address="127.0.0.1"):
+        host = host or f"{address}:{port}"
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         if receive_buffer:
             self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
         self.socket.settimeout(ENOUGH_S)
-        self.socket.connect(("127.0.0.1", port))
+        self.socket.connect((address, port))
         self.received = b""
         self.told = {}  # the newest text message of each type
         lines = [f"GET /{'?token=' + token if token else ''} HTTP/1.1", f"Host: {host}", "Upgrade: websocket", "Connection: Upgrade",

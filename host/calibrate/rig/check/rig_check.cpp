@@ -190,9 +190,12 @@ std::optional<DepthCheck> check_depths(const std::vector<BothLooks>& looks,
 
 std::vector<std::string> advice(const RigCheck& check) {
   std::vector<std::string> lines;
-  if (check.rows &&
-      (std::abs(check.rows->median_px) > kLargestRowPx || check.rows->rms_px > kLargestRowPx ||
-       std::abs(check.rows->slope_px) > kLargestRowPx)) {
+  if (!check.rows) {
+    lines.emplace_back(
+        "rows cannot be judged, the eyes share too few points: uncover both cameras, check that "
+        "left and right are not exchanged, and show them something with texture");
+  } else if (std::abs(check.rows->median_px) > kLargestRowPx ||
+             check.rows->rms_px > kLargestRowPx || std::abs(check.rows->slope_px) > kLargestRowPx) {
     lines.push_back(
         printed("rows do not correspond (%.1f px is allowed): calibrate the pair anew "
                 "(stof calib stereo --target), then the place of the PMD camera",

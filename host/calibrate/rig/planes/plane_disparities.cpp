@@ -9,6 +9,7 @@
 #include "dsp/base/parse_number.h"
 #include "host/calibrate/rig/target/pair_folder.h"
 #include "host/evaluate/stereo/match.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -19,28 +20,6 @@ constexpr int kCell = 24;               // px
 constexpr double kFullShare = 0.5;      // of a cell's pixels that have a match
 constexpr float kLargestSpread = 1.5F;  // px from the cell's median
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-
-// `plane_z_m N` in meta.txt; 0: not there, or no distance.
-dataset::Loaded<double> distance_of(const std::filesystem::path& dir) {
-  const std::filesystem::path file = dir / "meta.txt";
-  const dataset::Loaded<std::string> text = dataset::read_whole(file, kMaxMetaBytes);
-  if (!text) {
-    return std::unexpected(text.error());
-  }
-  dataset::HeaderCursor words(*text, 0);
-  for (std::string_view word = words.word(); !word.empty(); word = words.word()) {
-    if (word == "plane_z_m") {
-      const double z = dsp::parse_number<double>(words.word()).value_or(0);
-      if (!(z > 0.05) || !(z < 100)) {
-        return dataset::refuse(file, "has a plane_z_m that is no distance of 0.05 to 100 m",
-                               "give metres");
-      }
-      return z;
-    }
-  }
-  return dataset::refuse(file, "does not say how far the wall is",
-                         "add a line such as plane_z_m 1.6");
-}
 
 lab::MatchParams params_of(const PlaneOptions& options) {
   lab::MatchParams params = lab::method_defaults(lab::Method::kWinnerTakesAll);
@@ -68,42 +47,6 @@ dataset::Image<float> in_the_middle(const dataset::Image<dsp::Disparity>& found,
     }
   }
   return map;
-}
-
-dataset::Loaded<Plane> match_plane(const std::filesystem::path& dir, const PlaneOptions& options) {
-  const dataset::Loaded<double> z = distance_of(dir);
-  if (!z) {
-    return std::unexpected(z.error());
-  }
-  dataset::Loaded<Pair> pair = read_pair(dir);
-  if (!pair) {
-    return std::unexpected(std::move(pair.error()));
-  }
-  dataset::StereoScene scene;
-  scene.name = pair->name;
-  scene.left = std::move(pair->left);
-  scene.right = std::move(pair->right);
-  scene.ndisp = options.disparities;
-  const dataset::Loaded<MatchResult> matched =
-      match_scene(scene, params_of(options), 1, options.threads);
-  if (!matched) {
-    return std::unexpected(matched.error());
-  }
-  Plane plane{.name = scene.name,
-              .z_m = *z,
-              .disparity = in_the_middle(matched->disparity, options.middle),
-              .cells = {}};
-  plane.cells = cells_of(plane.disparity);
-  const auto found = static_cast<double>(
-      std::ranges::count_if(plane.disparity.pixels, [](float d) { return std::isfinite(d); }));
-  plane.matched = found / (static_cast<double>(plane.disparity.pixels.size()) * options.middle *
-                           options.middle);
-  if (plane.cells.empty()) {
-    return dataset::refuse(dir, "has hardly any match on the wall",
-                           "use a wall with more texture, or a wider --min-disparity and "
-                           "--disparities");
-  }
-  return plane;
 }
 
 std::optional<PlaneCell> cell_at(const dataset::Image<float>& disparity, int left, int top) {
@@ -143,6 +86,68 @@ std::optional<PlaneCell> cell_at(const dataset::Image<float>& disparity, int lef
 
 }  // namespace
 
+dataset::Loaded<double> plane_distance(const std::filesystem::path& dir) {
+  const std::filesystem::path file = dir / "meta.txt";
+  const dataset::Loaded<std::string> text = dataset::read_whole(file, kMaxMetaBytes);
+  if (!text) {
+    return std::unexpected(text.error());
+  }
+  dataset::HeaderCursor words(*text, 0);
+  for (std::string_view word = words.word(); !word.empty(); word = words.word()) {
+    if (word == "plane_z_m") {
+      const double z = dsp::parse_number<double>(words.word()).value_or(0);
+      if (!(z > 0.05) || !(z < 100)) {
+        return dataset::refuse(file, "has a plane_z_m that is no distance of 0.05 to 100 m",
+                               "give metres");
+      }
+      return z;
+    }
+  }
+  return dataset::refuse(file, "does not say how far the wall is",
+                         "add a line such as plane_z_m 1.6");
+}
+
+std::expected<void, dataset::Problem> write_plane_distance(const std::filesystem::path& dir,
+                                                           double z_m) {
+  return dataset::write_whole(dir / "meta.txt", printed("plane_z_m %.9g\n", z_m));
+}
+
+dataset::Loaded<Plane> read_plane(const std::filesystem::path& dir, const PlaneOptions& options) {
+  const dataset::Loaded<double> z = plane_distance(dir);
+  if (!z) {
+    return std::unexpected(z.error());
+  }
+  dataset::Loaded<Pair> pair = read_pair(dir);
+  if (!pair) {
+    return std::unexpected(std::move(pair.error()));
+  }
+  dataset::StereoScene scene;
+  scene.name = pair->name;
+  scene.left = std::move(pair->left);
+  scene.right = std::move(pair->right);
+  scene.ndisp = options.disparities;
+  const dataset::Loaded<MatchResult> matched =
+      match_scene(scene, params_of(options), 1, options.threads);
+  if (!matched) {
+    return std::unexpected(matched.error());
+  }
+  Plane plane{.name = scene.name,
+              .z_m = *z,
+              .disparity = in_the_middle(matched->disparity, options.middle),
+              .cells = {}};
+  plane.cells = cells_of(plane.disparity);
+  const auto found = static_cast<double>(
+      std::ranges::count_if(plane.disparity.pixels, [](float d) { return std::isfinite(d); }));
+  plane.matched = found / (static_cast<double>(plane.disparity.pixels.size()) * options.middle *
+                           options.middle);
+  if (plane.cells.empty()) {
+    return dataset::refuse(dir, "has hardly any match on the wall",
+                           "use a wall with more texture, or a wider --min-disparity and "
+                           "--disparities");
+  }
+  return plane;
+}
+
 std::vector<PlaneCell> cells_of(const dataset::Image<float>& disparity) {
   std::vector<PlaneCell> cells;
   for (int top = 0; top + kCell <= disparity.height; top += kCell) {
@@ -164,7 +169,7 @@ dataset::Loaded<std::vector<Plane>> read_planes(const std::filesystem::path& dir
   std::vector<Plane> planes;
   std::set<double> distances;
   for (const std::filesystem::path& pair : *pairs) {
-    dataset::Loaded<Plane> plane = match_plane(pair, options);
+    dataset::Loaded<Plane> plane = read_plane(pair, options);
     if (!plane) {
       return std::unexpected(std::move(plane.error()));
     }

@@ -35,6 +35,15 @@ struct Plane {
   double matched = 0;               // share of the middle that has a disparity
 };
 
+// A folder with left.pgm, right.pgm, and in meta.txt a line `plane_z_m N`. One line where it cannot
+// be read or matched.
+dataset::Loaded<Plane> read_plane(const std::filesystem::path& dir, const PlaneOptions& options);
+// What its meta.txt says, metres.
+dataset::Loaded<double> plane_distance(const std::filesystem::path& dir);
+// Such a meta.txt.
+std::expected<void, dataset::Problem> write_plane_distance(const std::filesystem::path& dir,
+                                                           double z_m);
+
 // The folders in DIR that have left.pgm, right.pgm, and in meta.txt a line `plane_z_m N`, nearest
 // first. One line where there are fewer than three such distances, pictures differ in size, or one
 // cannot be matched.

@@ -203,7 +203,10 @@ std::optional<FoundBoard> find_board_roughly(const dataset::Image<std::uint8_t>&
   }
   FoundBoard found{.corners = {}, .blur_px = kNothing};
   for (const cv::Point2f& corner : grid.corners) {
-    found.corners.push_back({static_cast<double>(corner.x), static_cast<double>(corner.y)});
+    found.corners.push_back({.u = static_cast<double>(corner.x),
+                             .v = static_cast<double>(corner.y),
+                             .uu = kRoughPx * kRoughPx,
+                             .vv = kRoughPx * kRoughPx});
   }
   return found;
 }

@@ -14,6 +14,11 @@ namespace stof::host {
 struct PixelPoint {
   double u = 0;
   double v = 0;
+  // Covariance of the place, px^2. Fits take only what corners are worth against each other: how
+  // far they really scatter is told by the residuals.
+  double uu = 1;
+  double uv = 0;
+  double vv = 1;
   bool seen() const { return std::isfinite(u); }
 };
 // In the place of a corner that is not seen, of a board that is seen in part.
@@ -31,6 +36,8 @@ struct FoundBoard {
   // a step was smoothed with. The worse of the board's two directions, because motion blurs one.
   double blur_px = 0;
 };
+
+inline constexpr double kRoughPx = 0.1;  // standard deviation of a corner that is not refined
 
 // Finds the board by OpenCV, and where its corners are by corner_refiner.h. A chessboard is found
 // where it is seen whole, a board with markers in part (marker_finder.h); else none. blur_px tells

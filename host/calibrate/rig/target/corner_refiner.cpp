@@ -242,13 +242,7 @@ class GreyMisfit {
     }
     const std::array<Vector2, 2> n{turned(frame_.normal[0], model.turn[0]),
                                    turned(frame_.normal[1], model.turn[1])};
-    Eigen::VectorXd weights(NumResiduals());
-    for (Eigen::Index i = 0; i < weights.size(); ++i) {
-      const Pixel& pixel = pixels_[static_cast<std::size_t>(i)];
-      const Vector2 place = pixel.at - model.at;
-      weights(i) = weight_of(frame_, frame_.normal[0].dot(place), frame_.normal[1].dot(place));
-    }
-    weights = (weights / weights.sum()).cwiseSqrt();
+    const Eigen::VectorXd weights = weights_at(model.at).cwiseSqrt();
     using Slopes = Eigen::Matrix<double, Eigen::Dynamic, kUnknowns>;
     if (slopes != nullptr) {
       Eigen::Map<Slopes>(slopes, NumResiduals(), kUnknowns).setZero();
@@ -274,12 +268,45 @@ class GreyMisfit {
     return true;
   }
 
+  // Of the corner's place at the least misfit, px^2: grey values scatter alike and independently,
+  // by as much as the model leaves. None where they do not tell all unknowns apart.
+  std::optional<Matrix2> covariance(const Row& x) const {
+    Eigen::VectorXd off(NumResiduals());
+    Eigen::Matrix<double, Eigen::Dynamic, kUnknowns> slopes(NumResiduals(), int{kUnknowns});
+    (*this)(x.data(), off.data(), slopes.data());
+    const Eigen::VectorXd weights = weights_at(model_of(x).at);
+    const double used = 1 / weights.squaredNorm();  // pixels, as if each counted whole or not
+    if (!(used > kUnknowns + 1)) {
+      return std::nullopt;
+    }
+    const double variance = off.squaredNorm() * used / (used - kUnknowns);
+    using Square = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+    const Square normal = slopes.transpose() * slopes;
+    const Square scatter = slopes.transpose() * weights.asDiagonal() * slopes;
+    const Eigen::LDLT<Square> solver(normal);
+    const Square inverse = solver.solve(Square::Identity());
+    const Matrix2 found = (variance * inverse * scatter * inverse).topLeftCorner<2, 2>();
+    const bool usable = solver.info() == Eigen::Success && found.allFinite() && found(0, 0) > 0 &&
+                        found.determinant() > 0;
+    return usable ? std::optional(found) : std::nullopt;
+  }
+
  private:
   struct Pixel {
     Vector2 at;
     double grey = 0;
   };
   static constexpr double kFar = 1e3;
+
+  // Of each pixel, 1 in all.
+  Eigen::VectorXd weights_at(const Vector2& corner) const {
+    Eigen::VectorXd weights(NumResiduals());
+    for (Eigen::Index i = 0; i < weights.size(); ++i) {
+      const Vector2 place = pixels_[static_cast<std::size_t>(i)].at - corner;
+      weights(i) = weight_of(frame_, frame_.normal[0].dot(place), frame_.normal[1].dot(place));
+    }
+    return weights / weights.sum();
+  }
 
   static bool usable(const Row& x) {
     return x.allFinite() && x.head<2>().norm() < kMostMoved && x(4) < kMostBlur &&
@@ -313,8 +340,15 @@ std::optional<PixelPoint> fitted_corner(const dataset::Image<float>& picture, co
   const Model model = misfit.model_of(x);
   const double rms = std::sqrt(2 * solver.summary.final_cost);  // over the first span
   const bool corner_there = rms < kMostMisfit * x(6) && model.span > least_span;
-  return corner_there ? std::optional(PixelPoint{.u = model.at.x(), .v = model.at.y()})
-                      : std::nullopt;
+  const std::optional<Matrix2> spread = corner_there ? misfit.covariance(x) : std::nullopt;
+  if (!spread) {
+    return std::nullopt;
+  }
+  return PixelPoint{.u = model.at.x(),
+                    .v = model.at.y(),
+                    .uu = (*spread)(0, 0),
+                    .uv = (*spread)(0, 1),
+                    .vv = (*spread)(1, 1)};
 }
 
 }  // namespace

@@ -14,7 +14,10 @@ namespace stof::host {
 // shows nothing else. corners: in the order of Board, within a pixel or two of the truth; kUnseen
 // stays kUnseen, and a corner stays as it is where the values do not show one: no contrast, half
 // outside of the picture, less than two pixels to the next edge. asked: which of them are fitted,
-// the others only tell how the board lies; empty: all. Returns of each whether it was fitted.
+// the others only tell how the board lies; empty: all. Returns of each whether it was fitted. What
+// is fitted has its covariance, from the slopes of the grey values and what the model left of them
+// (for corners: Foerstner and Guelch 1987; weights are not those of the errors, hence the form of
+// White 1980). Dim, blurred and small corners are worth less.
 std::vector<bool> refine_corners(const dataset::Image<float>& picture, const Board& board,
                                  std::vector<PixelPoint>& corners,
                                  const std::vector<bool>& asked = {});

@@ -244,7 +244,10 @@ void refine(const cv::Mat& picture, const Board& board, const std::vector<Guess>
     cv::cornerSubPix(picture, point, cv::Size(half, half), cv::Size(-1, -1),
                      cv::TermCriteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, kMostSteps,
                                       kSmallestStep));
-    const PixelPoint found{static_cast<double>(point[0].x), static_cast<double>(point[0].y)};
+    const PixelPoint found{.u = static_cast<double>(point[0].x),
+                           .v = static_cast<double>(point[0].y),
+                           .uu = kRoughPx * kRoughPx,
+                           .vv = kRoughPx * kRoughPx};
     if (std::hypot(found.u - guess.u, found.v - guess.v) <= half) {
       corners[i] = found;
     }

@@ -16,6 +16,56 @@ namespace {
 // A corner that is off by more counts less: finders sometimes take the wrong one.
 constexpr double kHuberPx = 1;
 constexpr int kMostSteps = 200;
+// What lens, print and flatness leave of a corner: no grey values make one worth more than this.
+constexpr double kLeastSigmaPx = 0.02;
+
+// Of a coordinate of a corner, px^2.
+double variance_of(const PixelPoint& corner) {
+  return (corner.uu + corner.vv) / 2 + kLeastSigmaPx * kLeastSigmaPx;
+}
+
+// The median of all that are seen: what a corner is measured against.
+double usual_variance(const std::vector<PairView>& views) {
+  std::vector<double> each;
+  for (const PairView& view : views) {
+    for (const std::vector<PixelPoint>* const eye : {&view.left, &view.right}) {
+      for (const PixelPoint& corner : *eye) {
+        if (corner.seen()) {
+          each.push_back(variance_of(corner));
+        }
+      }
+    }
+  }
+  if (each.empty()) {
+    return 1;
+  }
+  const auto middle = each.begin() + static_cast<std::ptrdiff_t>(each.size() / 2);
+  std::ranges::nth_element(each, middle);
+  return *middle;
+}
+
+// Turns what a corner is off into what a usual corner would be that is as unlikely: the inverse of
+// the covariance's Cholesky factor (whitening), times the usual standard deviation.
+struct Whitening {
+  double uu = 1;
+  double vu = 0;
+  double vv = 1;
+
+  template <typename T>
+  void apply(T* off) const {
+    off[1] = vu * off[0] + vv * off[1];
+    off[0] = uu * off[0];
+  }
+};
+
+Whitening whitening_of(const PixelPoint& corner, double usual) {
+  const double floor = kLeastSigmaPx * kLeastSigmaPx;
+  const double first = std::sqrt(corner.uu + floor);
+  const double below = corner.uv / first;
+  const double second = std::sqrt(corner.vv + floor - below * below);
+  const double sigma = std::sqrt(usual);
+  return {.uu = sigma / first, .vu = -sigma * below / (first * second), .vv = sigma / second};
+}
 
 template <typename T>
 std::array<T, 3> moved(const T* pose, const std::array<T, 3>& point) {
@@ -28,6 +78,7 @@ std::array<T, 3> moved(const T* pose, const std::array<T, 3>& point) {
 struct LeftCorner {
   std::array<double, 2> on_board;
   PixelPoint found;
+  Whitening whitening{};
 
   template <typename T>
   bool operator()(const T* lens, const T* board, T* residual) const {
@@ -38,6 +89,7 @@ struct LeftCorner {
     }
     residual[0] = found.u - pixel[0];
     residual[1] = found.v - pixel[1];
+    whitening.apply(residual);
     return true;
   }
 };
@@ -45,6 +97,7 @@ struct LeftCorner {
 struct RightCorner {
   std::array<double, 2> on_board;
   PixelPoint found;
+  Whitening whitening{};
 
   template <typename T>
   bool operator()(const T* lens, const T* left_to_right, const T* board, T* residual) const {
@@ -56,6 +109,7 @@ struct RightCorner {
     }
     residual[0] = found.u - pixel[0];
     residual[1] = found.v - pixel[1];
+    whitening.apply(residual);
     return true;
   }
 };
@@ -83,7 +137,7 @@ class PairProblem {
  public:
   PairProblem(const Board& board, const std::vector<PairView>& views, Unknowns start,
               const PairFitOptions& options)
-      : unknowns_(std::move(start)) {
+      : unknowns_(std::move(start)), usual_(usual_variance(views)) {
     for (LensUnknowns* const lens : {&unknowns_.left, &unknowns_.right}) {
       problem_.AddParameterBlock(lens->data(), int{kLensUnknowns});
       hold(*lens, options);
@@ -150,22 +204,25 @@ class PairProblem {
       }
       problem_.AddResidualBlock(
           new ceres::AutoDiffCostFunction<LeftCorner, 2, kLensUnknowns, kPoseUnknowns>(
-              new LeftCorner{board.at(static_cast<int>(i)), view.left[i]}),
+              new LeftCorner{board.at(static_cast<int>(i)), view.left[i],
+                             whitening_of(view.left[i], usual_)}),
           new ceres::HuberLoss(kHuberPx), unknowns_.left.data(), pose.data());
     }
     for (std::size_t i = 0; i < view.right.size(); ++i) {
       if (!view.right[i].seen()) {
         continue;
       }
-      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<RightCorner, 2, kLensUnknowns,
-                                                                kPoseUnknowns, kPoseUnknowns>(
-                                    new RightCorner{board.at(static_cast<int>(i)), view.right[i]}),
-                                new ceres::HuberLoss(kHuberPx), unknowns_.right.data(),
-                                unknowns_.left_to_right.data(), pose.data());
+      problem_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<RightCorner, 2, kLensUnknowns, kPoseUnknowns,
+                                          kPoseUnknowns>(new RightCorner{
+              board.at(static_cast<int>(i)), view.right[i], whitening_of(view.right[i], usual_)}),
+          new ceres::HuberLoss(kHuberPx), unknowns_.right.data(), unknowns_.left_to_right.data(),
+          pose.data());
     }
   }
 
   Unknowns unknowns_;
+  double usual_;
   ceres::Problem problem_;
   std::shared_ptr<ceres::ParameterBlockOrdering> order_ =
       std::make_shared<ceres::ParameterBlockOrdering>();
@@ -205,6 +262,20 @@ double sum_of_squares(const std::vector<PixelPoint>& residuals) {
   return sum;
 }
 
+// As if all corners were as certain as usual ones.
+double whitened_squares(const std::vector<PixelPoint>& corners,
+                        const std::vector<PixelPoint>& residuals, double usual) {
+  double sum = 0;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    if (residuals[i].seen()) {
+      std::array<double, 2> off{residuals[i].u, residuals[i].v};
+      whitening_of(corners[i], usual).apply(off.data());
+      sum += off[0] * off[0] + off[1] * off[1];
+    }
+  }
+  return sum;
+}
+
 ViewResiduals residuals_of(const Board& board, const PairView& view, const dsp::RawPair& rig,
                            const PoseUnknowns& pose) {
   const LensUnknowns left = unknowns_of(rig.left);
@@ -215,12 +286,12 @@ ViewResiduals residuals_of(const Board& board, const PairView& view, const dsp::
   for (std::size_t i = 0; i < view.left.size(); ++i) {
     LeftCorner{board.at(static_cast<int>(i)), view.left[i]}(left.data(), pose.data(),
                                                             residual.data());
-    residuals.left.push_back({residual[0], residual[1]});
+    residuals.left.push_back({.u = residual[0], .v = residual[1]});
   }
   for (std::size_t i = 0; i < view.right.size(); ++i) {
     RightCorner{board.at(static_cast<int>(i)), view.right[i]}(right.data(), left_to_right.data(),
                                                               pose.data(), residual.data());
-    residuals.right.push_back({residual[0], residual[1]});
+    residuals.right.push_back({.u = residual[0], .v = residual[1]});
   }
   const double count = coordinates_of(view);
   residuals.rms_px =
@@ -251,9 +322,11 @@ std::optional<PairFit> fit_pair(const Board& board, const std::vector<PairView>&
   fit.rig = rig_of(problem.unknowns(), start);
   fit.boards = problem.unknowns().boards;
   double coordinates = 0;
+  const double usual = usual_variance(views);
   for (std::size_t n = 0; n < views.size(); ++n) {
     fit.residuals.push_back(residuals_of(board, views[n], fit.rig, fit.boards[n]));
-    fit.cost += sum_of_squares(fit.residuals[n].left) + sum_of_squares(fit.residuals[n].right);
+    fit.cost += whitened_squares(views[n].left, fit.residuals[n].left, usual) +
+                whitened_squares(views[n].right, fit.residuals[n].right, usual);
     coordinates += coordinates_of(views[n]);
   }
   const std::optional<Eigen::MatrixXd> covariance = problem.covariance();

@@ -14,7 +14,9 @@
 #include "host/calibrate/rig/target/lens_model.h"
 
 // Both lenses of a pair and where they stand to each other, from views of a board: all of it in one
-// least-squares fit (Ceres), with its covariance.
+// least-squares fit (Ceres), with its covariance. Corners count by theirs (PixelPoint): residuals
+// are whitened, so that the sum is of squared Mahalanobis distances (Hartley and Zisserman,
+// Multiple View Geometry, chapter 4).
 namespace stof::host {
 
 // One pose of the board. An eye has all of its corners, those that it did not see as kUnseen; or
@@ -47,8 +49,9 @@ struct PairFit {
   dsp::RawPair rig;
   // Of the unknowns, from the spread of the residuals; zero rows for what was not fitted.
   Eigen::Matrix<double, int{kRigUnknowns}, int{kRigUnknowns}> covariance;
-  double corner_sigma_px = 0;        // of one coordinate, from the residuals
-  double cost = 0;                   // sum of squared residuals, px^2
+  double corner_sigma_px = 0;        // of one coordinate of a usual corner, from the residuals
+  double cost = 0;                   // sum of squared residuals, px^2, each corner's shrunk or
+                                     // stretched to those of a usual one
   std::vector<PoseUnknowns> boards;  // of each view: board to left camera
   std::vector<ViewResiduals> residuals;
 

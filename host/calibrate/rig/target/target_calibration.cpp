@@ -25,6 +25,9 @@ constexpr int kMostOutliers = 3;
 constexpr double kExplains = 20;
 // A focal length that is less certain than this comes from views that are too much alike.
 constexpr double kLargestFocalSigma = 0.005;
+constexpr double kMostCornerPx = 1;          // of a calibration that is one
+constexpr double kMostBaselineShare = 0.05;  // that a rig's baseline differs from what was known
+constexpr std::size_t kMirrorLooks = 3;      // pictures that are looked at
 
 using dsp::index;
 using RowMatrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
@@ -35,11 +38,13 @@ Matrix3 matrix_of(const std::array<double, 9>& elements) {
 
 // An eye's corners, or none where it does not see the board whole, or why the view does not count.
 std::vector<PixelPoint> corners_of(const dataset::Image<std::uint8_t>& picture, const char* eye,
-                                   const TargetOptions& options, std::string& why) {
+                                   const TargetOptions& options, std::size_t& seen,
+                                   std::string& why) {
   std::optional<FoundBoard> found = find_board(picture, options.board);
   if (!found) {
     return {};
   }
+  ++seen;
   if (!(found->blur_px <= options.most_blur_px)) {
     why =
         std::isfinite(found->blur_px)
@@ -49,6 +54,28 @@ std::vector<PixelPoint> corners_of(const dataset::Image<std::uint8_t>& picture, 
     return {};
   }
   return std::move(found->corners);
+}
+
+// Whether an eye that never sees the board does where its pictures are mirrored. A chessboard looks
+// the same in a mirror.
+bool mirrored(const std::vector<std::filesystem::path>& pairs, const Board& board, bool right) {
+  if (!board.has_markers()) {
+    return false;
+  }
+  for (std::size_t n = 0; n < std::min(pairs.size(), kMirrorLooks); ++n) {
+    dataset::Loaded<Pair> pair = read_pair(pairs[n * pairs.size() / kMirrorLooks]);
+    if (!pair) {
+      return false;
+    }
+    dataset::Image<std::uint8_t>& picture = right ? pair->right : pair->left;
+    for (int v = 0; v < picture.height; ++v) {
+      std::ranges::reverse(picture.view().row(v));
+    }
+    if (find_board_roughly(picture, board)) {
+      return true;
+    }
+  }
+  return false;
 }
 
 struct Split {
@@ -273,11 +300,11 @@ dataset::Loaded<TargetViews> find_views(const std::filesystem::path& folder,
     found.width = pair->left.width;
     found.height = pair->left.height;
     PairView view{.name = pair->name, .left = {}, .right = {}};
-    std::string why;
-    view.left = corners_of(pair->left, "left", options, why);
-    if (why.empty()) {
-      view.right = corners_of(pair->right, "right", options, why);
-    }
+    std::string why_left;
+    std::string why_right;
+    view.left = corners_of(pair->left, "left", options, found.left_seen, why_left);
+    view.right = corners_of(pair->right, "right", options, found.right_seen, why_right);
+    const std::string& why = why_left.empty() ? why_right : why_left;
     if (!why.empty()) {
       found.refused.push_back({view.name, why});
     } else if (view.left.empty() && view.right.empty()) {
@@ -288,7 +315,42 @@ dataset::Loaded<TargetViews> find_views(const std::filesystem::path& folder,
       found.views.push_back(std::move(view));
     }
   }
+  found.left_mirrored = found.left_seen == 0 && mirrored(*pairs, options.board, false);
+  found.right_mirrored = found.right_seen == 0 && mirrored(*pairs, options.board, true);
   return found;
+}
+
+std::string unseen(const TargetViews& views, const Board& board) {
+  const std::size_t all = views.views.size() + views.refused.size();
+  if (views.left_mirrored || views.right_mirrored) {
+    const char* who = views.left_mirrored ? "the left camera shows" : "the right camera shows";
+    who = views.left_mirrored && views.right_mirrored ? "both cameras show" : who;
+    return printed(
+        "%s the board mirrored: let no camera mirror its pictures, and print the board "
+        "as it is",
+        who);
+  }
+  if (views.left_seen == 0 && views.right_seen == 0) {
+    return printed(
+        "no picture of %zu views shows the board %s: check --board (%s), light and focus", all,
+        to_string(board).c_str(),
+        board.kind == Board::Kind::kAprilGrid ? "it counts tags"
+                                              : "it counts inner corners, not squares");
+  }
+  if (views.left_seen == 0 || views.right_seen == 0) {
+    const bool left = views.left_seen == 0;
+    return printed(
+        "the %s camera sees the board in none of %zu views, the %s one in %zu: uncover "
+        "it, give it light and focus, and hold the board before both",
+        left ? "left" : "right", all, left ? "right" : "left",
+        std::max(views.left_seen, views.right_seen));
+  }
+  if (views.views.empty()) {
+    const RefusedView& first = views.refused.front();
+    return printed("no view of %zu counts (%s: %s): take them anew", all, first.name.c_str(),
+                   first.why.c_str());
+  }
+  return {};
 }
 
 dataset::Loaded<TargetCalibration> calibrate_target(TargetViews views, const TargetOptions& options,
@@ -324,7 +386,14 @@ dataset::Loaded<TargetCalibration> calibrate_target(TargetViews views, const Tar
   }
   if (const char* const why = dsp::problem_of(result.fit.rig); *why != '\0') {
     return dataset::refuse(std::string(why) +
-                           ": check that left and right are not exchanged, and add views");
+                           ": check that left and right are not exchanged and that no camera "
+                           "mirrors its pictures");
+  }
+  if (result.fit.corner_sigma_px > kMostCornerPx) {
+    return dataset::refuse(
+        printed("corners are off by %.1f px, %.1f are allowed: check that the board is flat and "
+                "stiff, that --board names it, and that no camera mirrors its pictures",
+                result.fit.corner_sigma_px, kMostCornerPx));
   }
   for (std::size_t n = 0; n < result.fitted.size(); ++n) {
     result.poses.push_back(
@@ -334,6 +403,26 @@ dataset::Loaded<TargetCalibration> calibrate_target(TargetViews views, const Tar
   add_uncertain(result.fit, result.missing);
   result.judgement = judge(options, result);
   return result;
+}
+
+std::string other_rig(const dsp::Calibration& start, const dsp::RawPair& rig) {
+  const dsp::StereoRig& known = start.stereo;
+  if (known.left.width == 0) {
+    return {};
+  }
+  if (known.left.width != rig.left.width || known.left.height != rig.left.height) {
+    return "is of pictures of " + dataset::size_text(known.left.width, known.left.height) +
+           ", the views have " + dataset::size_text(rig.left.width, rig.left.height) +
+           ": give the calibration of this rig";
+  }
+  const double baseline = with_pair({}, rig).stereo.baseline_m;
+  if (known.baseline_m > 0 && !(std::abs(baseline / known.baseline_m - 1) <= kMostBaselineShare)) {
+    return printed(
+        "has a baseline of %.4f m, by the views it is %.4f m: measure a square of the "
+        "board for --board, or give the calibration of this rig",
+        known.baseline_m, baseline);
+  }
+  return {};
 }
 
 dsp::Calibration with_pair(const dsp::Calibration& start, const dsp::RawPair& rig) {

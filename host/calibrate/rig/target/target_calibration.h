@@ -33,6 +33,12 @@ struct TargetViews {
   std::vector<PairView> views;
   std::vector<RefusedView> refused;
   bool stopped = false;  // before all of them were read
+  // How often find_views() found the board, blurred or not; and whether that is because the eye's
+  // pictures show it mirrored, where it never did.
+  std::size_t left_seen = 0;
+  std::size_t right_seen = 0;
+  bool left_mirrored = false;
+  bool right_mirrored = false;
 };
 
 // Of views that were held out.
@@ -64,10 +70,19 @@ dataset::Loaded<TargetViews> find_views(const std::filesystem::path& folder,
                                         const TargetOptions& options,
                                         const std::function<bool()>& stop = {});
 
+// One line where an eye sees the board in none of the views, or no view counts: what to do. Empty:
+// neither.
+std::string unseen(const TargetViews& views, const Board& board);
+
 // One line where no pair follows from the views at all. Views that are missing are in `missing`.
 // stop: asked at each step of each fit; true: no more is fitted, and "stopped" is the line.
 dataset::Loaded<TargetCalibration> calibrate_target(TargetViews views, const TargetOptions& options,
                                                     const std::function<bool()>& stop = {});
+
+// Why the pair cannot be of the rig that `start` is of, or empty: its pictures have another size,
+// or the baseline is another one by more than 5 percent, which is what the size of the board's
+// squares comes to. Empty too where `start` has no pair.
+std::string other_rig(const dsp::Calibration& start, const dsp::RawPair& rig);
 
 // How far apart the rows of both eyes' rectified corners are, px.
 std::vector<double> row_errors(const PairView& view, const dsp::RawPair& rig);

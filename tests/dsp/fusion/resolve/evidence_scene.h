@@ -28,12 +28,14 @@ inline Calibration rig(double focal = 150) {
   return calibration;
 }
 
-// A wall matched at 20 px, 3 m away, and a PMD picture without any reading.
+// A wall matched at 20 px, 3 m away, and a PMD picture without any reading. The left picture is
+// grey.
 class EvidenceScene {
  public:
   explicit EvidenceScene(double focal = 150)
       : evidence(rig(focal), 0),
         disparity_(kWidth * kHeight, Disparity::from_pixels(20)),
+        picture_(kWidth * kHeight, 100),
         images_(4, std::vector<QuarterMm>(kWidth * kHeight / kFour / kFour)),
         flags_(kWidth * kHeight / kFour / kFour) {
     maps.low = image(0);
@@ -46,6 +48,15 @@ class EvidenceScene {
   }
 
   ImageView<Disparity> view() { return {disparity_.data(), kWidth, kHeight}; }
+  ImageView<std::uint8_t> picture() { return {picture_.data(), kWidth, kHeight}; }
+  // Columns x and further to the right are brighter.
+  void brighten(int x, int by) {
+    for (int y = 0; y < kHeight; ++y) {
+      for (std::uint8_t& grey : picture().row(y).subspan(static_cast<std::size_t>(x))) {
+        grey = static_cast<std::uint8_t>(grey + by);
+      }
+    }
+  }
   void unmatched() { std::ranges::fill(disparity_, Disparity::none()); }
   void read(QuarterMm folded, QuarterMm sigma) {
     std::ranges::fill(images_[2], folded);
@@ -56,14 +67,13 @@ class EvidenceScene {
     std::ranges::fill(images_[1], high);
   }
   MatchEvidence::Result judge(std::uint8_t ratio = 200, int x = 32, int y = 24,
-                              DepthInterval interval = {11800, 12200}, int contrast = 0) {
+                              DepthInterval interval = {11800, 12200}) {
     return evidence.judge({.x = x,
                            .y = y,
                            .disparity = Disparity::from_pixels(20),
                            .ratio = ratio,
-                           .interval = interval,
-                           .contrast = contrast},
-                          view());
+                           .interval = interval},
+                          {view(), picture()});
   }
 
   MatchEvidence evidence;
@@ -74,6 +84,7 @@ class EvidenceScene {
     return {images_[k].data(), kWidth / kFour, kHeight / kFour};
   }
   std::vector<Disparity> disparity_;
+  std::vector<std::uint8_t> picture_;
   std::vector<std::vector<QuarterMm>> images_;
   std::vector<std::uint8_t> flags_;
 };

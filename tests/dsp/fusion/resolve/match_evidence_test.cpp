@@ -45,27 +45,44 @@ TEST(MatchEvidence, MatchesAroundItSupportAMatch) {
 }
 
 TEST(MatchEvidence, AnIndistinctMatchWhereThePictureChangesIsDoubtful) {
-  constexpr int kMuch = 100;
+  Scene plain;
+  EXPECT_EQ(plain.judge(250).verdict, kKept);
   Scene scene;
-  EXPECT_EQ(scene.judge(100, 32, 24, {11800, 12200}, kMuch).verdict, kKept);
-  EXPECT_EQ(scene.judge(250, 32, 24, {11800, 12200}, 0).verdict, kKept);
-  EXPECT_EQ(scene.judge(250, 32, 24, {11800, 12200}, kMuch).verdict, kDoubtful);
+  scene.brighten(32, 50);
+  EXPECT_EQ(scene.judge(100).verdict, kKept);
+  EXPECT_EQ(scene.judge(250).verdict, kDoubtful);
   scene.read(12100, 20);
-  EXPECT_EQ(scene.judge(250, 32, 24, {11800, 12200}, kMuch).verdict, kConfirmed);
+  EXPECT_EQ(scene.judge(250).verdict, kConfirmed);
   Scene wide(70);  // what such a PMD camera does not see says little
-  EXPECT_EQ(wide.judge(250, 32, 24, {11800, 12200}, kMuch).verdict, kKept);
+  wide.brighten(32, 50);
+  EXPECT_EQ(wide.judge(250).verdict, kKept);
 }
 
 TEST(MatchEvidence, PixelsWithoutAMatchBesideItMakeItDoubtful) {
-  constexpr int kSome = 60;
   Scene scene;
-  EXPECT_EQ(scene.judge(150, 32, 24, {11800, 12200}, kSome).verdict, kKept);
+  EXPECT_EQ(scene.judge(255).verdict, kKept);
   for (int y = 20; y <= 28; ++y) {
     for (int x = 24; x < 32; ++x) {
       scene.view().at(x, y) = Disparity::none();
     }
   }
-  EXPECT_EQ(scene.judge(150, 32, 24, {11800, 12200}, kSome).verdict, kDoubtful);
+  EXPECT_EQ(scene.judge(255).verdict, kDoubtful);
+}
+
+TEST(MatchEvidence, AnEdgeOfThePictureSpeaksForAMatchBeforeItAndAgainstOneBehindIt) {
+  struct Case {
+    int edge;
+    std::uint8_t ratio;
+    MatchEvidence::Verdict verdict;
+  };
+  for (const Case& one : {Case{36, 150, kKept}, Case{30, 12, kDoubtful}}) {
+    Scene scene;
+    for (int y = 0; y < kHeight; ++y) {  // the surface ends at column 36
+      std::ranges::fill(scene.view().row(y).subspan(36), Disparity::from_pixels(15));
+    }
+    scene.brighten(one.edge, 80);
+    EXPECT_EQ(scene.judge(one.ratio).verdict, one.verdict) << one.edge;
+  }
 }
 
 TEST(Contrast, IsThatAlongTheRowOrAcrossIt) {
@@ -179,9 +196,9 @@ TEST(MatchEvidence, OutsideOfThePmdPictureLessIsAsked) {
   evidence.look_at(&scene.maps);
   const MatchEvidence::Match match{
       .x = 32, .y = 24, .disparity = Disparity::from_pixels(20), .ratio = 200, .interval = near};
-  EXPECT_EQ(evidence.judge(match, scene.view()).verdict, kKept);
+  EXPECT_EQ(evidence.judge(match, {scene.view(), scene.picture()}).verdict, kKept);
   scene.unmatched();
-  EXPECT_EQ(evidence.judge(match, scene.view()).verdict, kUnsupported);
+  EXPECT_EQ(evidence.judge(match, {scene.view(), scene.picture()}).verdict, kUnsupported);
 }
 
 TEST(MatchEvidence, ASurfaceIsConfirmedByAFoldedReadingOfIt) {

@@ -23,7 +23,7 @@ TEST(AmbiguityResolver, WithAMatchOnOneSideAtMostTheReadingIsTaken) {
   row.resolve(10);
   row.expect(140, Source::kResolved, Cause::kStereoAmbiguous, 8500);
   EXPECT_EQ(row.depth[140], 8500);
-  EXPECT_EQ(row.high(140), 13000);
+  EXPECT_EQ(row.width[140], 5000);
   row.expect(150, Source::kPmd, Cause::kNone, 12500);
   EXPECT_EQ(row.low(150), 8000);
   EXPECT_EQ(row.depth[160], 13000);

@@ -194,6 +194,35 @@ TEST(RvlTest, TakesAllValuesIfTheyFit) {
   }
 }
 
+// No sequence is shorter than what is said of any part of it.
+TEST(RvlTest, NoCodeIsShorterThanItsLeastNibbles) {
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    Random random(seed);
+    std::vector<std::uint16_t> values(static_cast<std::size_t>(random.between(1, 300)));
+    random.fill(std::span(values), 0, random.between(0, 1) == 0 ? 8 : 65535);
+    for (std::uint16_t& value : values) {
+      value = random.between(0, 5) == 0 ? std::uint16_t{0} : value;
+    }
+    std::vector<std::byte> out(4 * values.size() + 8);
+    const std::uint32_t whole = rvl_fit<std::uint16_t>(values, values.size(), 1, out).all.nibbles;
+    const std::span<const std::uint16_t> all(values);
+    const std::size_t half = values.size() / 2;
+    EXPECT_LE(rvl_least_nibbles(all), whole) << "seed " << seed;
+    EXPECT_LE(rvl_least_nibbles(all.first(half)) + rvl_least_nibbles(all.subspan(half)), whole)
+        << "seed " << seed;
+  }
+}
+
+TEST(RvlTest, LeastNibblesOfKnownValues) {
+  // Differences of one nibble up to -4 and 3, of two up to -32 and 31.
+  const std::vector<std::uint16_t> near{100, 103, 99, 103, 71, 102, 70, 101, 133, 133};
+  // 1 behind no known value; then 1, 1, 2, 2, 2, 2, 2, 3, 1.
+  EXPECT_EQ(rvl_least_nibbles<std::uint16_t>(near), 17U);
+  // One for each value behind a hole and for each run that begins: 1, 1 + 1, 0, 0, 1 + 1, 1.
+  const std::vector<std::uint16_t> holes{500, 0, 0, 9000, 9001};
+  EXPECT_EQ(rvl_least_nibbles<std::uint16_t>(holes), 5U);
+}
+
 // A sequence cut at the last row that fits is that of the whole rows, whatever its last run was.
 TEST(RvlTest, EndsWithARowOrWithTheLastValue) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {

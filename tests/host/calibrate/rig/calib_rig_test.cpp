@@ -1,5 +1,6 @@
 #include "host/cli/rig/calib_rig.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -123,11 +124,54 @@ TEST_F(CalibRig, AFolderWithoutABoardIsRefused) {
   put_pair("a", {640, 480, 90}, {640, 480, 90});
   EXPECT_NE(
       refused(Exit::kBadInput, [&] { calib_stereo({.target = views(), .out = file("rig.cal")}); })
-          .find("the left lens"),
+          .find("no picture of 1 views shows the board 9x6:0.024: check --board"),
       std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(file("rig.cal")));
   refused(Exit::kBadInput, [&] { calib_stereo({.out = file("rig.cal")}); });
   refused(Exit::kBadInput, [&] { calib_stereo({.target = folder(), .out = file("rig.cal")}); });
+}
+
+dataset::Image<std::uint8_t> mirror_of(dataset::Image<std::uint8_t> picture) {
+  for (int v = 0; v < picture.height; ++v) {
+    std::ranges::reverse(picture.view().row(v));
+  }
+  return picture;
+}
+
+TEST_F(CalibRig, SaysWhichEyeDoesNotSeeTheBoard) {
+  const dataset::Loaded<Board> board = board_named("charuco:9x6:0.04");
+  ASSERT_TRUE(board);
+  const PlaneCamera camera(
+      {.width = 320, .height = 240, .fx = 305, .fy = 305, .cx = 160, .cy = 120});
+  Gaussian random(3);
+  const auto view = [&](int smear) {
+    return camera.picture(test::board_at(*board, Vector3(0, 0, 0.5), Vector3(0.2, 0.2, 0)),
+                          test::print_of(*board), 1, random, smear);
+  };
+  const dataset::Image<std::uint8_t> sharp = view(0);
+  const dataset::Image<std::uint8_t> smeared = view(3);
+  const dataset::Image<std::uint8_t> covered(320, 240, 3);
+  const auto said = [&](const dataset::Image<std::uint8_t>& left,
+                        const dataset::Image<std::uint8_t>& right) {
+    put_pair("a", left, right);
+    return refused(Exit::kBadInput, [&] {
+      calib_stereo({.target = views(),
+                    .out = file("rig.cal"),
+                    .board = "charuco:9x6:0.04",
+                    .most_blur_px = 0.7});
+    });
+  };
+  const auto tells = [](const std::string& line, const char* what) {
+    EXPECT_NE(line.find(what), std::string::npos) << line;
+  };
+  tells(said(covered, covered), "no picture of 1 views shows the board charuco:9x6:0.04");
+  tells(said(sharp, covered),
+        "the right camera sees the board in none of 1 views, the left one in 1: uncover it");
+  tells(said(covered, sharp), "the left camera sees the board in none of 1 views");
+  tells(said(mirror_of(sharp), mirror_of(sharp)), "both cameras show the board mirrored");
+  tells(said(sharp, mirror_of(sharp)), "the right camera shows the board mirrored");
+  tells(said(smeared, smeared), "no view of 1 counts (a: blurred");
+  EXPECT_FALSE(std::filesystem::exists(file("rig.cal")));
 }
 
 // The chapter's rig, with axes that meet at 4 m.
@@ -249,10 +293,17 @@ TEST_F(CalibRigWalls, TiltedWallsTellWhereThePmdCameraIs) {
   start.pmd_to_stereo = {};
   ASSERT_TRUE(write_calibration(file("start.cal"), start));
   testing::internal::CaptureStdout();
-  calib_extrinsics({.folder = views(), .calibration = file("start.cal"), .out = file("rig.cal")});
+  calib_extrinsics(
+      {.folder = views(), .calibration = file("start.cal"), .out = file("rig.cal"), .json = true});
   const std::string said = testing::internal::GetCapturedStdout();
+  const nlohmann::json told = nlohmann::json::parse(said);
+  EXPECT_EQ(told.at("file"), file("rig.cal").string());
+  EXPECT_EQ(told.at("walls").size(), 6U);
+  EXPECT_TRUE(told.at("missing").empty());
+  EXPECT_EQ(told.at("covariance").size(), 6U);
   const dataset::Loaded<StoredCalibration> found = read_calibration(file("rig.cal"));
   ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(told.at("translation_m"), found->calibration.pmd_to_stereo.translation_m);
   const PoseUnknowns pose = pose_of(found->calibration.pmd_to_stereo);
   const Matrix3 turn = rotation_of(pose) * rotation_of(kPmdPose).transpose();
   const double shift = (translation_of(pose) - translation_of(kPmdPose)).norm();
@@ -325,6 +376,27 @@ TEST_F(CalibRig, CheckRectifiesARawPair) {
   EXPECT_TRUE(said.at("depths").is_null()) << said;
 }
 
+TEST_F(CalibRig, CheckDoesNotSayThatARigFitsWhoseRowsItCannotJudge) {
+  const dsp::RawPair truth = true_pair();
+  Gaussian random(6);
+  const dataset::Image<std::uint8_t> left =
+      PlaneCamera(truth.left).picture({0, 0.2, 0, 0, 0, 1.4}, blotches(5), 1, random);
+  put_pair("wall", left, {left.width, left.height, 3});  // the right camera is covered
+  dsp::Calibration rig;
+  rig.stereo.raw = truth;
+  ASSERT_STREQ(dsp::complete(rig.stereo), "");
+  ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
+  EXPECT_NE(refused(Exit::kBadInput,
+                    [&] { calib_check({.folder = views(), .calibration = file("rig.cal")}); })
+                .find("shows too little to judge a rig by"),
+            std::string::npos);
+  // Depths alone are no reason to be content.
+  const std::vector<std::string> lines = advice(
+      {.rows = std::nullopt, .depths = DepthCheck{.points = 100, .median_mm = 1, .spread_mm = 5}});
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_TRUE(lines[0].starts_with("rows cannot be judged")) << lines[0];
+}
+
 TEST_F(CalibRig, CheckPrintsNoJsonOfWhatItCannotRead) {
   dsp::Calibration rig;
   rig.stereo.raw = true_pair();
@@ -344,13 +416,31 @@ TEST_F(CalibRig, WhatIsExportedIsImportedAgain) {
   rig.stereo.raw = true_pair();
   ASSERT_STREQ(dsp::complete(rig.stereo), "");
   ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
+  const auto printed_by = [](const auto& work) {
+    testing::internal::CaptureStdout();
+    work();
+    return nlohmann::json::parse(testing::internal::GetCapturedStdout());
+  };
   for (const char* const format : {"kalibr", "opencv", "ros"}) {
-    calib_export({.format = format, .files = {}, .out = file("out"), .start = file("rig.cal")});
+    const nlohmann::json written = printed_by([&] {
+      calib_export({.format = format,
+                    .files = {},
+                    .out = file("out"),
+                    .start = file("rig.cal"),
+                    .json = true});
+    });
+    for (const nlohmann::json& name : written.at("files")) {
+      EXPECT_TRUE(std::filesystem::is_regular_file(name.get<std::string>())) << written;
+    }
     std::vector<std::filesystem::path> files{file("out")};
     if (std::string_view(format) == "ros") {
       files = {file("out") / "left.yaml", file("out") / "right.yaml"};
     }
-    calib_import({.format = format, .files = files, .out = file("again.cal")});
+    EXPECT_EQ(written.at("files").size(), files.size());
+    const nlohmann::json told = printed_by([&] {
+      calib_import({.format = format, .files = files, .out = file("again.cal"), .json = true});
+    });
+    EXPECT_NEAR(told.at("baseline_m").get<double>(), rig.stereo.baseline_m, 1e-9) << told;
     const dataset::Loaded<StoredCalibration> again = read_calibration(file("again.cal"));
     ASSERT_TRUE(again) << again.error().message;
     EXPECT_NEAR(again->calibration.stereo.left.fx, rig.stereo.left.fx, 1e-9) << format;
@@ -363,6 +453,17 @@ TEST_F(CalibRig, WhatIsExportedIsImportedAgain) {
   refused(Exit::kBadInput, [&] {
     calib_import({.format = "kalibr", .files = {file("rig.cal")}, .out = file("again.cal")});
   });
+}
+
+TEST_F(CalibRig, TheSheetOfABoardIsToldAsJson) {
+  for (const char* const name : {"board.pdf", "board.pgm"}) {
+    testing::internal::CaptureStdout();
+    calib_target({.board = "9x6:0.024", .paper = "a4", .out = file(name), .json = true});
+    const nlohmann::json told = nlohmann::json::parse(testing::internal::GetCapturedStdout());
+    EXPECT_EQ(told.at("file"), file(name).string());
+    EXPECT_EQ(told.at("board"), "9x6:0.024");
+    EXPECT_TRUE(std::filesystem::exists(file(name)));
+  }
 }
 
 }  // namespace

@@ -102,6 +102,63 @@ TEST(CornerRefiner, TakesSquaresOfFivePixels) {
   EXPECT_LT(rms(corners, truth), 0.04);
 }
 
+// How far the places scatter that fits to the same picture with other noise find.
+struct Scatter {
+  double squared = 0;   // of both coordinates, in their own covariances: 2 where these are true
+  double sigma_px = 0;  // of one coordinate
+};
+Scatter scatter_of(const dataset::Image<std::uint8_t>& clean, const Board& board,
+                   const std::vector<PixelPoint>& truth, double noise) {
+  constexpr int kDraws = 12;
+  std::vector<std::vector<PixelPoint>> draws;
+  Gaussian random(6);
+  for (int n = 0; n < kDraws; ++n) {
+    dataset::Image<float> noisy(clean.width, clean.height);
+    for (std::size_t i = 0; i < clean.pixels.size(); ++i) {
+      noisy.pixels[i] = static_cast<float>(clean.pixels[i] + random.next(noise));
+    }
+    draws.push_back(truth);
+    const std::vector<bool> fitted = refine_corners(noisy, board, draws.back());
+    EXPECT_EQ(std::ranges::count(fitted, true), board.corners());
+  }
+  Scatter scatter;
+  const auto all = static_cast<double>(truth.size() * (kDraws - 1));
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    PixelPoint mean;
+    for (const std::vector<PixelPoint>& draw : draws) {
+      mean.u += draw[i].u / kDraws;
+      mean.v += draw[i].v / kDraws;
+    }
+    for (const std::vector<PixelPoint>& draw : draws) {
+      const PixelPoint& p = draw[i];
+      const double u = p.u - mean.u;
+      const double v = p.v - mean.v;
+      scatter.squared +=
+          (p.vv * u * u - 2 * p.uv * u * v + p.uu * v * v) / (p.uu * p.vv - p.uv * p.uv) / all;
+      scatter.sigma_px += (u * u + v * v) / 2 / all;
+    }
+  }
+  scatter.sigma_px = std::sqrt(scatter.sigma_px);
+  return scatter;
+}
+
+// Where grey values scatter much more than the model is off; what it is off makes corners count
+// less.
+TEST(CornerRefiner, TellsHowCertainEachCornerIs) {
+  Gaussian random(8);
+  for (const auto& [name, noise] : {std::pair("9x6:0.04", 5.0), std::pair("9x6:0.04", 10.0),
+                                    std::pair("charuco:9x6:0.04", 10.0)}) {
+    const Board board = named(name);
+    const PoseUnknowns pose = board_at(board, Vector3(0, 0, 0.5), Vector3(0.5, 0.4, 0.1));
+    const std::vector<PixelPoint> truth = test::seen_by(camera().lens(), pose, board, 0, random);
+    const Scatter scatter =
+        scatter_of(camera().picture(pose, texture_of(board), 0, random), board, truth, noise);
+    std::printf("figure: %s, noise %g: corners scatter by %.3f px, normalised square %.2f of 2\n",
+                name, noise, scatter.sigma_px, scatter.squared);
+    EXPECT_NEAR(scatter.squared, 2, 0.4) << name << ", " << noise;
+  }
+}
+
 TEST(CornerRefiner, LeavesWhatIsNoCornerAsItIs) {
   Gaussian random(4);
   const Board board = named("9x6:0.04");

@@ -125,6 +125,60 @@ class LiveCalibration(unittest.TestCase):
             self.assertLess(abs(found / truth[eye]["fx"] - 1), 0.003)
         self.assertTrue(self.out.read_bytes().startswith(b"STOFCAL\0"))
 
+    def walls(self, code, *words, enters=0):
+        """What `stof calib WORDS` says, when Enter was pressed so often."""
+        ended = subprocess.run([*COMMAND, "calib", *map(str, words)], input="\n" * enters, capture_output=True, text=True, timeout=ENOUGH_S, check=False)
+        self.assertEqual(ended.returncode, code, ended.stdout + ended.stderr)
+        return ended.stdout, ended.stderr
+
+    def test_walls_at_known_distances_become_a_converging_rig(self):
+        planes = self.folder / "planes"
+        wall = ["--scene", "plane", "--rig", "chapter"]
+        subprocess.run([*EMU_PAIR, planes, *wall, "--poses", "distances:2,2.4,2.8,3.2", "--pmd", "none", *SIZE], check=True, timeout=ENOUGH_S)
+        sensor = self.start(*wall, "--poses", "distances:1.6", "--no-tof")
+        words = ["stereo", "--planes", planes, "--live", sensor, "--timeout", 30, "--time-limit", ENOUGH_S, "--raw-every", 1, "--out", self.out, "--pixel", 11.2,
+                 "--min-disparity", -20, "--disparities", 160]
+        _, complaint = self.walls(1, *words, "--distances", "1.6,2", enters=0)
+        self.assertIn("stdin ended, nobody presses Enter: walls in ", complaint)
+        said, _ = self.walls(0, *words, "--distances", "1.6,2,2.4,2.8,3.2", enters=1)
+        self.assertEqual(said.count("put the wall at "), 1)
+        self.assertRegex(said, r"\nwall_001: taken at 1.6 m, \d+ percent of it matched\ngenes ")
+        self.assertEqual((planes / "wall_001" / "meta.txt").read_text(encoding="utf-8"), "plane_z_m 1.6\n")
+        self.assertTrue(self.out.read_bytes().startswith(b"STOFCAL\0"))
+        # When all of them are there nothing is asked, of nobody.
+        again, _ = self.walls(0, *words, "--distances", "1.6,2,2.4,2.8,3.2")
+        self.assertTrue(again.startswith("genes "), again)
+        _, complaint = self.walls(2, "stereo", "--live", sensor, "--distances", "1.6", "--out", self.out)
+        self.assertIn("give --planes DIR and --live SENSOR too", complaint)
+
+    def test_walls_at_known_distances_become_a_pmd_camera(self):
+        bench, walls, camera = self.folder / "bench", self.folder / "walls", self.folder / "camera.cal"
+        size = ["--size", "64x48", "--pmd", "44x36"]
+        distances = [1.0, 1.4, 1.8, 2.2]
+        subprocess.run([*EMU_PAIR, bench, "--scene", "plane", "--poses", "distances:" + ",".join(map(str, distances)), "--frames", "4", "--pmd-place",
+                        "0,0,0,0,0,0", "--pmd-light", "1", *size], check=True, timeout=ENOUGH_S)
+        walls.mkdir()
+        for number, distance in enumerate(distances):
+            pose, name = bench / f"pose_{number:03d}", f"z{round(distance * 1000)}"
+            (walls / f"{name}.json").write_text(json.dumps({**json.loads((pose / "pmd.json").read_text(encoding="utf-8")), "z_m": distance}))
+            (pose / "pmd_raw.pgm").rename(walls / f"{name}_raw.pgm")
+        self.walls(0, "pmd", walls, "--out", camera)
+        sensor = self.start("--scene", "plane", "--poses", "distances:1.6", "--pmd-place", "0,0,0,0,0,0", "--pmd-light", "1", *size)
+        live = ["--live", sensor, "--timeout", 30, "--distances", "1.6,1.8", "--exposures", 4]
+        _, complaint = self.walls(2, "pmd", walls, *live, "--out", camera)
+        self.assertIn("give --start with a file of this rig", complaint)
+        words = ["pmd", walls, *live, "--start", camera, "--out", self.out]
+        said, complaint = self.walls(1, *words, enters=0)
+        self.assertIn("put the wall at 1.6 m from the PMD camera, facing it, and press Enter\n", said)
+        self.assertIn("stdin ended, nobody presses Enter: walls in ", complaint)
+        said, asked = self.walls(0, *words, "--json", enters=1)
+        self.assertIn("\nz1600: taken at 1.6 m, 4 exposures\n", asked)
+        told = json.loads((walls / "z1600.json").read_text(encoding="utf-8"))
+        self.assertEqual((told["z_m"], told["width"], told["height"], told["frames"]), (1.6, 44, 36, 4))
+        read = {wall["name"]: wall for wall in json.loads(said)["walls"]}
+        self.assertEqual(sorted(read), ["z1000", "z1400", "z1600", "z1800", "z2200"])
+        self.assertLess(abs(read["z1600"]["error_mm"]), 20)
+
     def test_a_sensor_that_does_not_answer(self):
         self.refuse(1, ": no packet came: ", "127.0.0.1:9", "--timeout", 0.5)
 

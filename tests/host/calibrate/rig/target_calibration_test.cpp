@@ -70,8 +70,11 @@ TEST(TargetCalibration, ItEndsAtTheStepAtWhichItIsAskedTo) {
     ++steps;
     return false;
   }));
-  EXPECT_GT(steps, 6);  // three fits of some steps each
-  for (const int last : {1, 2, steps}) {
+  // Three fits of some steps each. Rounding, which is not the same in each run, decides about the
+  // last steps of each: the same fit may need some fewer.
+  constexpr int kRounding = 4;
+  EXPECT_GT(steps, 6 + kRounding);
+  for (const int last : {1, 2, steps - kRounding}) {
     int asked = 0;
     const dataset::Loaded<TargetCalibration> found =
         calibrate_target(as_found(views), {.board = kBoard}, [&] { return ++asked == last; });
@@ -170,6 +173,55 @@ TEST(TargetCalibration, TheCovarianceIsThatOfTheErrors) {
   EXPECT_NEAR(sum / kSeeds, 6, 2.1);
 }
 
+// Every other corner scatters ten times as far, and says so or does not.
+TEST(TargetCalibration, CornersCountByHowCertainTheyAre) {
+  dsp::RawPair truth = true_pair();
+  truth.left.p1 = truth.left.p2 = truth.right.p1 = truth.right.p2 = 0;
+  constexpr int kSeeds = 12;
+  double told = 0;
+  double untold = 0;
+  double squared = 0;
+  const auto error_of = [&](const PairFit& fit) {
+    const PoseUnknowns a = pose_of(fit.rig.left_to_right);
+    const PoseUnknowns b = pose_of(truth.left_to_right);
+    Eigen::Matrix<double, 6, 1> error;
+    for (std::size_t i = 0; i < kPoseUnknowns; ++i) {
+      error(static_cast<Eigen::Index>(i)) = a[i] - b[i];
+    }
+    return error;
+  };
+  for (std::uint64_t seed = 200; seed < 200 + kSeeds; ++seed) {
+    std::vector<PairView> views = waved(truth, kBoard, 12, 0.05, seed);
+    Gaussian random(seed);
+    for (PairView& view : views) {
+      for (std::vector<PixelPoint>* const eye : {&view.left, &view.right}) {
+        for (std::size_t i = 0; i < eye->size(); i += 2) {
+          (*eye)[i].u += random.next(0.5);
+          (*eye)[i].v += random.next(0.5);
+        }
+      }
+    }
+    untold += error_of(calibrated(views, 0).fit).head<3>().squaredNorm();
+    for (PairView& view : views) {
+      for (std::vector<PixelPoint>* const eye : {&view.left, &view.right}) {
+        for (std::size_t i = 0; i < eye->size(); ++i) {
+          (*eye)[i].uu = (*eye)[i].vv = i % 2 == 0 ? 0.2525 : 0.0025;
+        }
+      }
+    }
+    const PairFit fit = calibrated(views, 0).fit;
+    const Eigen::Matrix<double, 6, 1> error = error_of(fit);
+    told += error.head<3>().squaredNorm();
+    const Eigen::Matrix<double, 6, 6> covariance = fit.covariance.bottomRightCorner<6, 6>();
+    squared += error.dot(covariance.inverse() * error) / kSeeds;
+  }
+  std::printf("figure: rotation off by %.4f degrees where corners tell, %.4f where not\n",
+              std::sqrt(told / kSeeds) / kDegree, std::sqrt(untold / kSeeds) / kDegree);
+  EXPECT_LT(told, 0.25 * untold);
+  // 6 degrees of freedom, 12 seeds: sigma of the mean is 1.
+  EXPECT_NEAR(squared, 6, 3.5);
+}
+
 TEST(TargetCalibration, FindsK3WhereTheLensHasIt) {
   dsp::RawPair truth = true_pair();
   truth.left.k3 = truth.right.k3 = -0.12;
@@ -224,6 +276,38 @@ TEST(TargetCalibration, LeavesOutAViewThatDoesNotFit) {
   const TargetCalibration found = calibrated(views, 0);
   ASSERT_EQ(found.refused.size(), 1U);
   EXPECT_EQ(found.refused[0].name, "7");
+}
+
+TEST(TargetCalibration, RefusesWhatNoPairShows) {
+  std::vector<PairView> exchanged = waved(true_pair(), kBoard, 20, 0.1, 5);
+  for (PairView& view : exchanged) {
+    std::swap(view.left, view.right);
+  }
+  const auto refusal = [](std::vector<PairView> views) {
+    const dataset::Loaded<TargetCalibration> found =
+        calibrate_target(as_found(std::move(views)), {.board = kBoard});
+    EXPECT_FALSE(found);
+    return found ? std::string() : found.error().message;
+  };
+  const std::string swapped = refusal(std::move(exchanged));
+  EXPECT_NE(swapped.find("left and right are not exchanged"), std::string::npos) << swapped;
+  const std::string crumpled = refusal(waved(true_pair(), kBoard, 20, 2, 5));
+  EXPECT_NE(crumpled.find("1.0 are allowed: check that the board is flat"), std::string::npos)
+      << crumpled;
+}
+
+TEST(TargetCalibration, KnowsTheRigOfBefore) {
+  dsp::Calibration before;
+  before.stereo.raw = true_pair();
+  ASSERT_STREQ(dsp::complete(before.stereo), "");
+  dsp::RawPair pair = true_pair();
+  EXPECT_EQ(other_rig(before, pair), "");
+  EXPECT_EQ(other_rig({}, pair), "");
+  pair.left_to_right.translation_m[0] *= 1.25;  // squares of 30 mm that were told to be 24 mm
+  EXPECT_NE(other_rig(before, pair).find("measure a square of the board"), std::string::npos);
+  pair = true_pair();
+  pair.left.width = pair.right.width = 320;
+  EXPECT_NE(other_rig(before, pair).find("the views have 320x480"), std::string::npos);
 }
 
 TEST(TargetCalibration, KeepsThePmdCameraWhereItWasAgainstTheLeftEye) {

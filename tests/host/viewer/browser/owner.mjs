@@ -37,7 +37,7 @@ export function ownerChecks({ bin, root, flags, open, text, live, shot, phone })
         sensor.child.kill("SIGUSR1");
         await until("the window", () => count() > before);
       };
-      const digits = (number) => until("the sensor's digits", () => [...sensor.text.matchAll(/the digits are (\d{3} \d{3})\./g)][number]?.[1]);
+      const digits = (number) => until("the sensor's digits", () => [...sensor.text.matchAll(/the digits are (\d{3} \d{3}),/g)][number]?.[1]);
       // With keys alone: the focus goes where the next thing is typed.
       await press();
       await page.locator("#pair").focus();
