@@ -264,6 +264,12 @@ std::optional<std::uint32_t> Receiver::other_sensor() const noexcept {
   return parts_->subscription ? parts_->subscription->other_sensor() : std::nullopt;
 }
 
+std::optional<std::uint8_t> Receiver::other_tags() const noexcept {
+  return subscription() == Subscription::State::kOtherTags
+             ? std::optional(parts_->subscription->other_tags())
+             : std::nullopt;
+}
+
 std::uint32_t Receiver::proven_key() const noexcept {
   return parts_->subscription ? parts_->subscription->proven_key() : 0;
 }
@@ -281,6 +287,9 @@ std::optional<Time> Receiver::next_due() const noexcept { return parts_->next_du
 int Receiver::socket_buffer() const noexcept { return parts_->socket->buffer_bytes(); }
 
 std::string Receiver::advice() const {
+  if (const std::optional<std::uint8_t> tags = other_tags()) {
+    return other_tags_text(*tags);
+  }
   if (socket_buffer() == 0 || socket_buffer() >= parts_->asked_buffer) {
     return "";
   }

@@ -93,6 +93,8 @@ class Receiver {
   // As those of Subscription.
   std::optional<std::uint32_t> other_sensor() const noexcept;
   std::uint32_t proven_key() const noexcept;
+  // Of a sensor that signs streams in a way that this release does not know; else none.
+  std::optional<std::uint8_t> other_tags() const noexcept;
   std::optional<Duration> round_trip() const noexcept;
   // Whether the sensor's computer answered that nobody listens there, since the last call.
   bool take_refusal() noexcept;
@@ -102,7 +104,7 @@ class Receiver {
 
   // The part of ReceiverOptions::socket_buffer that the system granted.
   int socket_buffer() const noexcept;
-  // Empty, or what to change on this machine to lose less, in one line.
+  // Empty, or what to change to lose less, or to receive at all, in one line.
   std::string advice() const;
 
  private:

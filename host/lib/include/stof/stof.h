@@ -597,8 +597,10 @@ typedef struct stof_statistics { /* since stof_open() */
 
 /* From any thread. */
 STOF_API stof_status stof_get_statistics(stof_sensor* sensor, stof_statistics* statistics);
-/* One line: what to change on this machine to lose less; empty: nothing. Returns its length, which
- * may exceed what fitted. From any thread. */
+/* One line: what to change on this machine to lose less, or that the sensor signs streams as
+ * another release does; empty: nothing. Returns its length, which may exceed what fitted. From any
+ * thread.
+ */
 STOF_API size_t stof_advice(stof_sensor* sensor, char* text, size_t size);
 
 /* ---- Settings ------------------------------------------------------------------------------ */
