@@ -70,7 +70,10 @@ class Session {
  public:
   Session(std::unique_ptr<client::ControlTransport> transport,
           const client::ControlOptions& control, bool json)
-      : place_(transport->place()), client_(std::move(transport), control), json_(json) {}
+      : place_(transport->place()),
+        client_(std::move(transport), control),
+        unclear_(!control.doubt.empty()),
+        json_(json) {}
 
   const std::optional<client::ControlClient::Proof>& proven() const { return client_.proven(); }
 
@@ -79,7 +82,9 @@ class Session {
                             Document document = {}) {
     auto answer = client_.request(operation, document, text);
     if (!answer) {
-      throw Failure(Exit::kFailure, answer.error().message);
+      // Nobody knows which sensor is meant: that one may be read, and nothing else.
+      const bool unclear = unclear_ && answer.error().status == Status::kUnsupported;
+      throw Failure(unclear ? Exit::kBadInput : Exit::kFailure, answer.error().message);
     }
     switch (answer->result) {
       case wire::SettingsResult::kOk:
@@ -224,6 +229,7 @@ class Session {
 
   std::string place_;
   client::ControlClient client_;
+  bool unclear_;
   bool json_;
 };
 
