@@ -1,6 +1,8 @@
 #include "host/cli/calib_install.h"
 
+#include <filesystem>
 #include <span>
+#include <system_error>
 
 #include "dataset/files/file.h"
 #include "firmware/wire/calibration/calibration_file.h"
@@ -22,6 +24,36 @@ struct InstallWords {
   std::string sensor;
 };
 
+bool is_file(const std::filesystem::path& path) {
+  std::error_code none;
+  return std::filesystem::is_regular_file(path, none);
+}
+
+// What is wrong with words that are too few or too many.
+std::string missing_text(const CalibInstallOptions& options) {
+  const std::size_t count = options.words.size();
+  if (options.factory && options.serial.empty()) {
+    return count == 0 ? "SENSOR is missing behind --factory"
+                      : "--factory takes SENSOR alone, and no FILE";
+  }
+  if (options.factory) {
+    return "--factory with --serial takes neither FILE nor SENSOR";
+  }
+  if (!options.serial.empty()) {
+    return count == 0 ? "FILE is missing: with --serial it is the only word"
+                      : "with --serial DEVICE it takes FILE alone, and no SENSOR";
+  }
+  if (count == 0) {
+    return "takes FILE SENSOR, or --factory SENSOR";
+  }
+  if (count == 1) {
+    return is_file(options.words[0])
+               ? "SENSOR is missing behind " + options.words[0]
+               : "FILE is missing before " + options.words[0] + ", or --factory: takes FILE SENSOR";
+  }
+  return "takes FILE SENSOR, and nothing behind them";
+}
+
 InstallWords read_words(const CalibInstallOptions& options) {
   InstallWords words;
   std::vector<std::string> given = options.words;
@@ -36,9 +68,13 @@ InstallWords read_words(const CalibInstallOptions& options) {
   const bool whole = given.empty() && words.sensor.empty() != options.serial.empty() &&
                      words.file.empty() == options.factory;
   if (!whole) {
-    throw Failure(Exit::kBadInput,
-                  "calib install: takes FILE SENSOR, or --factory SENSOR; with --serial DEVICE no "
-                  "SENSOR: try --help");
+    throw Failure(Exit::kBadInput, "calib install: " + missing_text(options));
+  }
+  if (!options.factory && options.serial.empty() && !is_file(words.file) && is_file(words.sensor)) {
+    throw Failure(Exit::kBadInput, "calib install: " + words.file.string() + " is no file, but " +
+                                       words.sensor +
+                                       " is one: FILE comes before SENSOR: stof calib install " +
+                                       words.sensor + " " + words.file.string());
   }
   return words;
 }
@@ -80,7 +116,7 @@ void calib_install(const CalibInstallOptions& options) {
   const InstallWords words = read_words(options);
   const std::string bytes = options.factory ? std::string() : read_calibration_bytes(words.file);
   const auto way = open_upload_way("calib install", words.sensor, options, options.patience_s);
-  ProgressLine line;
+  ProgressLine line(options.json);
   const Installed done = put_calibration(
       *way, bytes, [&line](std::size_t now, std::size_t all) { line.show(now, all); });
   line.end();
@@ -104,12 +140,12 @@ void add_calib_install(CLI::App& calib, CalibInstallOptions& options) {
       "It is in force with the next frame and at each start; stof calib install --factory "
       "192.168.1.20 goes back. Takes a key of role admin (stof pair), or the cable.\n"
       "Ends with 0 (in force and kept), 1 (no right to, or it cannot be kept: nothing changed; or "
-      "no "
-      "answer: run it again) or 2 (bad input, or a file that is not of this rig: nothing "
+      "no answer: run it again) or 2 (bad input, or a file that is not of this rig: nothing "
       "changed).");
-  command.add_option("WORDS", options.words,
-                     "FILE SENSOR (serial number, name or HOST[:PORT]); no FILE with --factory, no "
-                     "SENSOR with --serial");
+  command.add_option(
+      "WORDS", options.words,
+      "FILE SENSOR, in this order (serial number, name or HOST[:PORT]); no FILE with "
+      "--factory, no SENSOR with --serial");
   command.add_flag("--factory", options.factory,
                    "Go back to the calibration that the sensor had before the first install");
   add_json_flag(command, options.json);

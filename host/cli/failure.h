@@ -5,7 +5,7 @@
 
 namespace stof::host {
 
-// The exit codes of `stof`. docs: host/README.md.
+// The exit codes of `stof`. docs: docs/TOOL.md, "Exit codes".
 enum class Exit : int { kOk = 0, kFailure = 1, kBadInput = 2 };
 
 // Ends the program with this code and one line on stderr.

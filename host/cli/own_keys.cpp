@@ -7,8 +7,8 @@
 
 #include "firmware/wire/crypto/crypto.h"
 #include "host/cli/sensor/find_sensor.h"
-#include "host/cli/serial_transport.h"
 #include "host/client/control/user_keys.h"
+#include "host/client/serial/serial_line.h"
 
 namespace stof::host {
 
@@ -29,7 +29,7 @@ std::unique_ptr<client::ControlTransport> open_way(const char* command, const st
     throw Failure(Exit::kBadInput,
                   std::string(command) + ": give a sensor, HOST[:PORT], or --serial");
   }
-  return sensor.empty() ? value_or_fail(open_serial_transport(serial, baud))
+  return sensor.empty() ? value_or_fail(client::open_serial_transport(serial, baud))
                         : value_or_fail(client::open_udp_transport(sensor_address(sensor)));
 }
 
@@ -42,8 +42,8 @@ std::vector<wire::Key> own_keys(const std::string& file, const wire::KeyTable& k
     }
   }
   if (own.empty()) {
-    throw Failure(Exit::kFailure, file + ": has no key of this sensor (" + std::to_string(device) +
-                                      "): pair, or name its number with --device");
+    throw Failure(Exit::kBadInput, file + ": has no key of this sensor (" + std::to_string(device) +
+                                       "): pair, or name its number with --device");
   }
   return own;
 }
@@ -74,13 +74,14 @@ void remember_place(const std::string& key_file, const client::Place& place, std
   }
 }
 
-std::uint32_t key_id_of(const std::string& text) {
+std::uint32_t key_id_of(const std::string& text, const char* flag) {
   constexpr std::size_t kDigits = 8;
   std::uint32_t id = 0;
   const char* const end = text.data() + text.size();
   const auto read = std::from_chars(text.data(), end, id, 16);
   if (!text.empty() && (text.size() != kDigits || read.ptr != end || id == 0)) {
-    throw Failure(Exit::kBadInput, "--key: takes the 8 hexadecimal digits of a key's id");
+    throw Failure(Exit::kBadInput,
+                  std::string(flag) + ": takes the 8 hexadecimal digits of a key's id");
   }
   return id;
 }

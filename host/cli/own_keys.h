@@ -33,8 +33,8 @@ client::ControlOptions timing(double timeout_s);
 std::unique_ptr<client::ControlTransport> open_way(const char* command, const std::string& sensor,
                                                    const std::string& serial, unsigned baud);
 
-// Of a sensor, the newest first. Two sensors may have one number. Throws Failure where there is
-// none.
+// Of a sensor, the newest first. Two sensors may have one number. Throws Failure, bad input, where
+// there is none.
 std::vector<wire::Key> own_keys(const std::string& file, const wire::KeyTable& keys,
                                 std::uint32_t device);
 
@@ -50,8 +50,8 @@ std::uint32_t device_of(const client::Meant& meant);
 void remember_place(const std::string& key_file, const client::Place& place, std::uint32_t key_id);
 
 std::string id_text(const wire::Key& key);  // 8 hexadecimal digits
-// Of the 8 hexadecimal digits of `--key`; 0: no text. Throws Failure.
-std::uint32_t key_id_of(const std::string& text);
+// Of the 8 hexadecimal digits of that flag; 0: no text. Throws Failure.
+std::uint32_t key_id_of(const std::string& text, const char* flag = "--key");
 
 // The user's key file where a flag names none.
 std::string keys_file(const std::string& named);

@@ -180,12 +180,12 @@ void renew(const PairOptions& options, const std::string& file) {
     }
     wire::KeyTable kept;
     static_cast<void>(kept.add(next));
-    value_or_fail(client::write_user_keys(waiting, kept));
+    value_or_end(client::write_user_keys(waiting, kept));
     const auto finished = client.finish(std::chrono::seconds(2));
     if (!finished && !opens_sensor(terms, next)) {
       throw Failure(Exit::kFailure, finished.error().message);
     }
-    value_or_fail(client::add_user_key(file, next));
+    value_or_end(client::add_user_key(file, next));  // the sensor has it already
     if (finished && !opens_sensor(terms, next)) {
       throw Failure(Exit::kFailure, file +
                                         ": has the new secret, but the sensor does not answer: "
@@ -299,8 +299,9 @@ void pair_into(const PairOptions& options, const std::string& own) {
                                       ": a sensor keeps 16 keys: end one of them first "
                                       "(stof unpair)");
   }
+  need_key_room(own);
   value_or_fail(client::write_user_keys(options.into, sensor));
-  value_or_fail(client::add_user_key(own, key));
+  value_or_end(client::add_user_key(own, key));
   if (options.json) {
     nlohmann::ordered_json json = key_json(key, own);
     json["into"] = options.into;
@@ -337,7 +338,7 @@ void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing) {
       "pair", "Make a key that a sensor and you share: press its button first, or use its cable");
   show_example(command, "stof pair 192.168.1.20 --role tune",
                "Ends with 0 (a key was made), 1 (no answer, refused, or the digits differ) or 2 "
-               "(bad input).");
+               "(bad input, or no such key: nothing was done).");
   add_line(command, options);
   command.add_option("--code", options.code,
                      "32 hexadecimal digits of its label: nothing is asked. Better @FILE, or - for "
@@ -364,12 +365,15 @@ void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing) {
 
   CLI::App& ending = *app.add_subcommand("unpair", "End a key of a sensor, or list them");
   show_example(ending, "stof unpair 192.168.1.20 --list",
-               "Ends with 0 (done), 1 (no answer, or refused) or 2 (bad input).");
+               "Ends with 0 (done), 1 (no answer, or refused) or 2 (bad input, or no such key: "
+               "nothing was done).");
   add_line(ending, unpairing);
   ending.add_option("--id", unpairing.id, "Of the key, 8 digits (default: your own)");
-  ending.add_flag("--list", unpairing.list, "Print which keys there are");
+  ending.add_flag("--list", unpairing.list, "Print which keys there are, a line each")
+      ->excludes("--id");
   add_json_flag(ending, unpairing.json);
-  ending.add_flag("--forget", unpairing.forget, "Only in your file: the sensor --device is gone");
+  ending.add_flag("--forget", unpairing.forget, "Only in your file: the sensor --device is gone")
+      ->excludes("--list");
   ending.callback([&unpairing] { unpair(unpairing); });
 }
 

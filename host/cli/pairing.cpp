@@ -52,7 +52,7 @@ wire::Key Pairing::finish(std::chrono::seconds patience, const std::function<boo
   if (!finished && !opens_sensor(terms_, key)) {
     throw Failure(Exit::kFailure, finished.error().message);
   }
-  value_or_fail(client::add_user_key(terms_.file, key));
+  value_or_end(client::add_user_key(terms_.file, key));  // the sensor has it already
   if (!terms_.sensor.empty()) {
     remember_place(terms_.file, {.named = terms_.sensor, .address = address_}, key.id);
   }

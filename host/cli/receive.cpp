@@ -56,6 +56,9 @@ std::string silence_text(client::Receiver& receiver, std::optional<std::uint32_t
   if (receiver.subscription() == client::Subscription::State::kNoKey) {
     return ": no key of yours is one of this sensor: pair, see stof pair --help";
   }
+  if (const std::optional<std::uint8_t> tags = receiver.other_tags()) {
+    return ": " + client::other_tags_text(*tags);
+  }
   const client::Statistics& counted = receiver.statistics();
   if (counted.packets() != 0 && counted.not_signed + counted.forged == counted.packets()) {
     return ": none is signed for this program: somebody sends in the sensor's name, or the sensor "

@@ -167,18 +167,6 @@ const char* alone_text(wire::Sensors sensors) {
   }
 }
 
-const char* clock_text(wire::ClockState clock) {
-  switch (clock) {
-    case wire::ClockState::kMonotonic:
-      return "monotonic, of the sensor";
-    case wire::ClockState::kEmulated:
-      return "emulated";
-    case wire::ClockState::kRecorded:
-      return "of a recording that was played again";
-  }
-  return "unknown";
-}
-
 std::string streams_line(const client::Frame& frame) {
   std::string line;
   add_stream(line, "depth", frame.depth);

@@ -34,7 +34,6 @@ const char* alone_text(wire::Sensors sensors);
 // Of frames with a recording's clock.
 inline constexpr const char* kReplayLine =
     "REPLAY: a recording is played again, nothing of it is new";
-const char* clock_text(wire::ClockState clock);
 
 // "streams: depth 640x480, source 640x480, pmd 224x172 x 4".
 std::string streams_line(const client::Frame& frame);

@@ -53,7 +53,7 @@ void update(const UpdateOptions& options) {
   const UpdateWords words = read_update_words(options);
   const std::string bytes = options.revert ? std::string() : read_release(words.file);
   const auto way = open_upload_way("update", words.sensor, options, options.patience_s);
-  ProgressLine line;
+  ProgressLine line(options.json);
   const ReleaseEnd end =
       put_release(*way, bytes, options.no_wait ? 0 : options.wait_s,
                   {.sent = [&line](std::size_t now, std::size_t all) { line.show(now, all); },

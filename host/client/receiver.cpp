@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/client/sensor_socket.h"
+#include "host/client/serial/serial_source.h"
 #include "posix/datagram_batch.h"
 
 namespace stof::client {
@@ -18,7 +19,7 @@ constexpr Duration kForever = std::chrono::hours(24 * 365);  // keeps sums of ti
 }  // namespace
 
 struct Receiver::Parts {
-  Parts(std::unique_ptr<SensorSocket> bound, const ReceiverOptions& options)
+  Parts(std::unique_ptr<PacketSource> bound, const ReceiverOptions& options)
       : socket(std::move(bound)),
         reassembler(with_subscription(options)),
         asked_buffer(options.socket_buffer),
@@ -67,7 +68,7 @@ struct Receiver::Parts {
     std::optional<Frame> frame = reassembler.take(now);
     while (!frame && next < read) {
       const Time arrived = socket->arrived(next);
-      const std::span<const std::byte> datagram = socket->datagram(next++);
+      const std::span<const std::byte> datagram = socket->packet(next++);
       if (subscription && subscription->take(datagram, now)) {
         watch.keys_refused(subscription->state() == Subscription::State::kNoKey);
         if (subscription->stream_key().number != 0) {
@@ -86,7 +87,8 @@ struct Receiver::Parts {
       }
       frame = reassembler.take(now);
       if (frame) {
-        sender = socket->from(next - 1);
+        const posix::SocketAddress* const from = socket->from(next - 1);
+        sender = from != nullptr ? std::optional(*from) : std::nullopt;
       }
     }
     return frame;
@@ -106,6 +108,9 @@ struct Receiver::Parts {
   Result<Frame> receive(Duration timeout);
 
   std::optional<Time> next_due() const {
+    if (socket->holds_packets()) {
+      return Time::clock::now();
+    }
     const std::optional<Time> expiry = reassembler.next_expiry();
     if (!subscription) {
       return expiry;
@@ -114,7 +119,7 @@ struct Receiver::Parts {
     return std::min(asking, expiry.value_or(asking));
   }
 
-  std::unique_ptr<SensorSocket> socket;
+  std::unique_ptr<PacketSource> socket;
   StreamVerifier verifier;
   Reassembler reassembler;
   std::optional<Subscription> subscription;
@@ -134,6 +139,17 @@ std::expected<Receiver, OpenError> Receiver::open(const ReceiverOptions& options
     return std::unexpected(OpenError{
         .status = Status::kInvalidArgument,
         .message = "signed streams: name the sensor; one that sends by itself does not sign"});
+  }
+  if (options.line) {
+    if (!options.sensor.empty() || options.subscription.signed_streams ||
+        options.subscription.raw.pictures != 0) {
+      return std::unexpected(OpenError{
+          .status = Status::kInvalidArgument,
+          .message = options.line->device() +
+                     ": a serial line has no subscription: no address, signed streams or raw "
+                     "pictures with it"});
+    }
+    return Receiver(std::make_unique<Parts>(std::make_unique<SerialSource>(options.line), options));
   }
   auto socket = options.sensor.empty()
                     ? SensorSocket::open(options.address, options.port, options.socket_buffer)
@@ -248,6 +264,12 @@ std::optional<std::uint32_t> Receiver::other_sensor() const noexcept {
   return parts_->subscription ? parts_->subscription->other_sensor() : std::nullopt;
 }
 
+std::optional<std::uint8_t> Receiver::other_tags() const noexcept {
+  return subscription() == Subscription::State::kOtherTags
+             ? std::optional(parts_->subscription->other_tags())
+             : std::nullopt;
+}
+
 std::uint32_t Receiver::proven_key() const noexcept {
   return parts_->subscription ? parts_->subscription->proven_key() : 0;
 }
@@ -265,7 +287,10 @@ std::optional<Time> Receiver::next_due() const noexcept { return parts_->next_du
 int Receiver::socket_buffer() const noexcept { return parts_->socket->buffer_bytes(); }
 
 std::string Receiver::advice() const {
-  if (socket_buffer() >= parts_->asked_buffer) {
+  if (const std::optional<std::uint8_t> tags = other_tags()) {
+    return other_tags_text(*tags);
+  }
+  if (socket_buffer() == 0 || socket_buffer() >= parts_->asked_buffer) {
     return "";
   }
   return "socket buffer: " + std::to_string(socket_buffer()) + " bytes instead of " +

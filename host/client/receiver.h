@@ -14,6 +14,7 @@
 #include "host/client/frame/frame_pixels.h"
 #include "host/client/reassembler.h"
 #include "host/client/sensor_socket.h"
+#include "host/client/serial/serial_line.h"
 #include "host/client/session/link_watch.h"
 #include "host/client/statistics.h"
 
@@ -28,6 +29,11 @@ struct ReceiverOptions {
   std::string address = "0.0.0.0";    // IPv4 or IPv6 literal of the interface to listen at
   std::uint16_t port = kDefaultPort;  // 0: any free one, see Receiver::port()
 
+  // A serial line in place of all that: its packets are received as the sensor's settings serial.*
+  // send them, the Receiver has no subscription. Signed streams and raw pictures do not travel on
+  // it.
+  std::shared_ptr<SerialLine> line{};
+
   int socket_buffer = 4 << 20;  // bytes asked of the system
   ReassemblerOptions reassembler{};
 };
@@ -35,8 +41,9 @@ struct ReceiverOptions {
 // Receives the frames of one sensor. For one thread. A subscription ends with the receiver.
 class Receiver {
  public:
-  // kInvalidArgument: not an address; kDeviceError: the port cannot be had, or there is no such
-  // host. That the sensor answers is not waited for; with its name it may block on a name server.
+  // kInvalidArgument: not an address, or what a line does not carry; kDeviceError: the port cannot
+  // be had, or there is no such host. That the sensor answers is not waited for; with its name it
+  // may block on a name server.
   static std::expected<Receiver, OpenError> open(const ReceiverOptions& options);
 
   Receiver(Receiver&&) noexcept;
@@ -76,15 +83,18 @@ class Receiver {
 
   const Statistics& statistics() const noexcept;
   std::uint16_t port() const noexcept;
-  // Where the sensor is, or where this listens: "192.168.1.20:7560".
+  // Where the sensor is, or where this listens: "192.168.1.20:7560", "/dev/ttyUSB0".
   const std::string& place() const noexcept;
-  // Who sent the packet that ended the newest frame, "192.168.1.20:7560"; empty: there was none.
+  // Who sent the packet that ended the newest frame, "192.168.1.20:7560"; empty: there was none, or
+  // it came over a line.
   std::string sender() const;
   // None: without a sensor to subscribe at.
   std::optional<Subscription::State> subscription() const noexcept;
   // As those of Subscription.
   std::optional<std::uint32_t> other_sensor() const noexcept;
   std::uint32_t proven_key() const noexcept;
+  // Of a sensor that signs streams in a way that this release does not know; else none.
+  std::optional<std::uint8_t> other_tags() const noexcept;
   std::optional<Duration> round_trip() const noexcept;
   // Whether the sensor's computer answered that nobody listens there, since the last call.
   bool take_refusal() noexcept;
@@ -94,7 +104,7 @@ class Receiver {
 
   // The part of ReceiverOptions::socket_buffer that the system granted.
   int socket_buffer() const noexcept;
-  // Empty, or what to change on this machine to lose less, in one line.
+  // Empty, or what to change to lose less, or to receive at all, in one line.
   std::string advice() const;
 
  private:

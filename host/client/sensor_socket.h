@@ -15,6 +15,7 @@
 #include "host/client/arrival_clock.h"
 #include "host/client/error.h"
 #include "host/client/frame/frame.h"
+#include "host/client/packet_source.h"
 #include "posix/datagram_batch.h"
 #include "posix/socket_address.h"
 #include "posix/udp_socket.h"
@@ -29,7 +30,7 @@ inline constexpr std::uint16_t kDefaultPort = 7560;
 std::expected<std::vector<posix::SocketAddress>, OpenError> resolve_sensor(std::string_view sensor);
 
 // A UDP socket for what a sensor sends, which it reads many datagrams at a time. Does not move.
-class SensorSocket {
+class SensorSocket final : public PacketSource {
  public:
   // Bound: for a sensor that sends here by itself. As Receiver::open().
   static std::expected<std::unique_ptr<SensorSocket>, OpenError> open(const std::string& address,
@@ -40,30 +41,25 @@ class SensorSocket {
   static std::expected<std::unique_ptr<SensorSocket>, OpenError> connect(std::string_view sensor,
                                                                          int buffer_bytes);
 
-  // One datagram to the sensor, without blocking; only where connected. kWouldBlock: the buffer is
-  // full; kDeviceError: no way to the sensor now; kDeviceLost.
-  Status send(std::span<const std::byte> datagram);
+  // Only where connected.
+  Status send(std::span<const std::byte> datagram) override;
 
-  // Reads what has arrived, without blocking: the number of datagrams now in datagram(0 ...), which
-  // are valid until the next call. kDeviceLost: the socket failed.
-  Result<std::size_t> receive();
-  std::span<const std::byte> datagram(std::size_t index) const { return batch_.datagram(index); }
-  // Who sent it.
-  const posix::SocketAddress& from(std::size_t index) const { return batch_.from(index); }
-  // When it reached this machine; when it was read, where the system does not stamp arrivals.
-  Time arrived(std::size_t index) const { return arrived_[index]; }
+  Result<std::size_t> receive() override;
+  std::span<const std::byte> packet(std::size_t index) const override {
+    return batch_.datagram(index);
+  }
+  const posix::SocketAddress* from(std::size_t index) const override { return &batch_.from(index); }
+  Time arrived(std::size_t index) const override { return arrived_[index]; }
 
-  // Blocks until something can be read (kOk) or the time is over (kTimeout). kDeviceLost.
-  Status wait(Duration timeout) const;
-  // Whether the sensor's computer answered that nobody listens there, since the last call.
-  bool take_refusal() { return std::exchange(refused_, false); }
+  Status wait(Duration timeout) const override;
+  bool take_refusal() override { return std::exchange(refused_, false); }
 
-  // Becomes readable when receive() has something to do.
-  int fd() const { return socket_.fd(); }
-  std::uint16_t port() const { return socket_.port(); }
-  const std::string& place() const { return place_; }  // "192.168.1.20:7560", of the sensor or ours
-  int buffer_bytes() const { return buffer_bytes_; }   // granted
-  std::uint64_t dropped() const { return batch_.dropped(); }  // datagrams that found it full
+  int fd() const override { return socket_.fd(); }
+  std::uint16_t port() const override { return socket_.port(); }
+  // "192.168.1.20:7560", of the sensor or ours.
+  const std::string& place() const override { return place_; }
+  int buffer_bytes() const override { return buffer_bytes_; }
+  std::uint64_t dropped() const override { return batch_.dropped(); }
 
  private:
   SensorSocket(posix::UdpSocket socket, std::string place, int buffer_bytes);

@@ -178,6 +178,7 @@ stof_frame to_frame(const Taken& taken) noexcept {
   }
   out.self = &taken;
   out.exposure_here_ns = taken.exposure_here_ns;
+  out.recorded_ns = taken.recorded_ns;
   return out;
 }
 

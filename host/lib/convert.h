@@ -17,6 +17,7 @@
 #include "host/client/session/link_watch.h"
 #include "host/client/statistics.h"
 #include "host/lib/include/stof/stof.h"
+#include "host/lib/played.h"
 
 // Between our structures and those of the C interface.
 namespace stof::lib {
@@ -24,8 +25,11 @@ namespace stof::lib {
 // stof_frame::self points to this.
 struct Taken {
   client::Frame frame;
-  client::Receiver* receiver = nullptr;  // that has the images; none: they are kept
-  std::int64_t exposure_here_ns = 0;     // 0: unknown
+  // One of them has the images; none: they are kept.
+  client::Receiver* receiver = nullptr;
+  Played* played = nullptr;
+  std::int64_t exposure_here_ns = 0;  // 0: unknown
+  std::int64_t recorded_ns = 0;       // 0: not of a recording
 };
 
 // Of a frame that stof_next() filled in; nullptr: of another one, or of a program that does not

@@ -22,18 +22,21 @@ stof_status stof_keep(stof_frame* frame, stof_kept** kept) {
     return STOF_BAD_ARGUMENT;
   }
   return guarded([&] {
-    if (taken->receiver == nullptr || taken->frame.stamp.number != frame->number) {
+    if ((taken->receiver == nullptr && taken->played == nullptr) ||
+        taken->frame.stamp.number != frame->number) {
       return STOF_BAD_ARGUMENT;
     }
     // What others hold as well is theirs.
     const bool reuse = *kept != nullptr && alone(**kept);
     std::unique_ptr<stof_kept> made = reuse ? nullptr : std::make_unique<stof_kept>();
     stof_kept* const to = reuse ? *kept : made.get();
-    if (!taken->receiver->keep(to->pixels)) {
+    if (!(taken->played != nullptr ? taken->played->keep(to->recorded)
+                                   : taken->receiver->keep(to->pixels))) {
       return STOF_BAD_ARGUMENT;
     }
     to->taken = *taken;
     to->taken.receiver = nullptr;
+    to->taken.played = nullptr;
     frame->self = &to->taken;
     if (!reuse) {
       stof_release(*kept);

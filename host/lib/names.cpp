@@ -36,8 +36,10 @@ const char* stof_status_text(int status) {
                               "refused by the sensor",
                               "out of memory",
                               "unsupported",
-                              "internal error"};
-  static_assert(kNames.size() == STOF_INTERNAL + 1);
+                              "internal error",
+                              "end of the recording",
+                              "file cannot be used"};
+  static_assert(kNames.size() == STOF_FILE + 1);
   return status < 0 ? kUnknown : name_in(kNames, static_cast<unsigned>(status));
 }
 
@@ -51,13 +53,13 @@ size_t stof_struct_size(const char* name) {
 #define STOF_SIZE(type) \
   Size { #type, sizeof(type) }
   constexpr std::array kSizes{
-      STOF_SIZE(stof_options), STOF_SIZE(stof_plane),       STOF_SIZE(stof_calibration),
-      STOF_SIZE(stof_info),    STOF_SIZE(stof_cloud_point), STOF_SIZE(stof_frame),
-      STOF_SIZE(stof_point),   STOF_SIZE(stof_health),      STOF_SIZE(stof_event),
-      STOF_SIZE(stof_link),    STOF_SIZE(stof_callbacks),   STOF_SIZE(stof_statistics),
-      STOF_SIZE(stof_answer),  STOF_SIZE(stof_found),       STOF_SIZE(stof_pixel_point),
-      STOF_SIZE(stof_raw),     STOF_SIZE(stof_link_event),  STOF_SIZE(stof_clock),
-      STOF_SIZE(stof_setting)};
+      STOF_SIZE(stof_options), STOF_SIZE(stof_plane),          STOF_SIZE(stof_calibration),
+      STOF_SIZE(stof_info),    STOF_SIZE(stof_cloud_point),    STOF_SIZE(stof_frame),
+      STOF_SIZE(stof_point),   STOF_SIZE(stof_health),         STOF_SIZE(stof_event),
+      STOF_SIZE(stof_link),    STOF_SIZE(stof_callbacks),      STOF_SIZE(stof_statistics),
+      STOF_SIZE(stof_answer),  STOF_SIZE(stof_found),          STOF_SIZE(stof_pixel_point),
+      STOF_SIZE(stof_raw),     STOF_SIZE(stof_link_event),     STOF_SIZE(stof_clock),
+      STOF_SIZE(stof_setting), STOF_SIZE(stof_record_options), STOF_SIZE(stof_recorded)};
 #undef STOF_SIZE
   if (name == nullptr) {
     return 0;

@@ -1,13 +1,10 @@
 #include "host/lib/sensor.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
-#include <limits>
 #include <system_error>
 #include <utility>
-
-#include "host/client/control/known_sensors.h"
-#include "host/client/control/user_keys.h"
 
 using namespace stof;
 using lib::guarded;
@@ -16,66 +13,83 @@ namespace {
 
 constexpr client::Duration kPoll = std::chrono::milliseconds(100);  // how soon a stop is seen
 
-client::ReceiverOptions receiver_options(const stof_options& options) {
-  client::ReceiverOptions out;
-  if (options.sensor != nullptr) {
-    out.sensor = options.sensor;
-  }
-  if (options.bind != nullptr) {
-    out.address = options.bind;
-  }
-  out.port = options.port != 0 ? options.port : out.port;
-  if (options.device_id != 0) {
-    out.reassembler.device_id = options.device_id;
-  }
-  constexpr std::uint32_t kMost = std::numeric_limits<int>::max();
-  if (options.socket_buffer != 0) {
-    out.socket_buffer = static_cast<int>(std::min(options.socket_buffer, kMost));
-  }
-  if (options.max_pixels != 0) {
-    out.reassembler.max_pixels = options.max_pixels;
-  }
-  if (options.max_age_ms != 0) {
-    out.reassembler.max_age = std::chrono::milliseconds(options.max_age_ms);
-  }
-  return out;
-}
-
-constexpr std::uint16_t kMostRawStep = 255;
-
-wire::RawRequest raw_request(const stof_options& options) noexcept {
-  return {.pictures = static_cast<std::uint8_t>(options.raw_pictures & 15U),
-          .step = static_cast<std::uint8_t>(options.raw_step),
-          .every = options.raw_every,
-          .column = options.raw_part[0],
-          .row = options.raw_part[1],
-          .width = options.raw_part[2],
-          .height = options.raw_part[3]};
-}
-
 }  // namespace
 
 void stof_sensor::share() {
-  const stof_statistics now = lib::to_statistics(receiver.statistics(), receiver.socket_buffer());
-  std::string new_advice = receiver.advice();
+  if (played) {
+    const client::Statistics& counted = played->playback().statistics();
+    const stof_statistics now = lib::to_statistics(counted, 0);
+    const std::scoped_lock lock(shared);
+    statistics = now;
+    played_link = played->link();
+    link_events.look(*played_link, counted.sessions, client::Time::clock::now());
+    if (played->playback().health()) {
+      health = lib::to_health(*played->playback().health());
+    }
+    return;
+  }
+  const stof_statistics now = lib::to_statistics(receiver->statistics(), receiver->socket_buffer());
+  std::string new_advice = receiver->advice();
   const std::scoped_lock lock(shared);
   statistics = now;
   advice = std::move(new_advice);
-  watch = receiver.link_watch();
+  watch = receiver->link_watch();
   const client::Time time = client::Time::clock::now();
-  link_events.look(watch.state(time), receiver.statistics().sessions, time);
-  if (receiver.health()) {
-    health = lib::to_health(*receiver.health());
+  link_events.look(watch.state(time), receiver->statistics().sessions, time);
+  if (receiver->health()) {
+    health = lib::to_health(*receiver->health());
   }
 }
 
 stof_status stof_sensor::receive(client::Duration timeout) {
-  const Result<client::Frame> frame = receiver.next(timeout);
+  return played ? receive_played(timeout) : receive_live(timeout);
+}
+
+stof_status stof_sensor::receive_played(client::Duration timeout) {
+  client::Frame frame;
+  const stof_status status = played->next(timeout, frame);
+  if (status == STOF_OK) {
+    taken = {.frame = frame, .played = played.get(), .recorded_ns = played->recorded_ns()};
+  }
   share();
+  take_beside();
+  return status;
+}
+
+// Events wait for whoever takes them, and are recorded before.
+void stof_sensor::take_beside() {
+  while (true) {
+    const auto event = played ? played->playback().take_event() : receiver->take_event();
+    if (!event) {
+      return;
+    }
+    if (const std::scoped_lock lock(record_mutex); record) {
+      record->take(*event);
+    }
+    if (events.size() == kMostEvents) {
+      events.pop_front();
+    }
+    events.push_back(*event);
+  }
+}
+
+stof_status stof_sensor::receive_live(client::Duration timeout) {
+  const Result<client::Frame> frame = receiver->next(timeout);
+  share();
+  {
+    const std::scoped_lock lock(record_mutex);
+    if (record && frame) {
+      record->take(*frame, receiver->place());
+    }
+    if (record) {
+      record->take(receiver->health());
+    }
+  }
+  take_beside();
   if (!frame) {
     return lib::to_status(frame.error());
   }
-  taken = {.frame = *frame, .receiver = &receiver};
+  taken = {.frame = *frame, .receiver = &*receiver};
   const std::scoped_lock lock(shared);
   clock.add(*frame);
   if (const auto mapping = clock.mapping(); mapping && !clock.unmappable()) {
@@ -101,8 +115,8 @@ void stof_sensor::run() noexcept {
 }
 
 void stof_sensor::call_back_reports() {
-  while (const auto event = receiver.take_event()) {
-    stof_event told = lib::to_event(*event);
+  for (; !events.empty(); events.pop_front()) {
+    stof_event told = lib::to_event(events.front());
     told.struct_size = sizeof told;
     if (callbacks.event != nullptr) {
       callbacks.event(callbacks.user, &told);
@@ -115,14 +129,18 @@ void stof_sensor::call_back_reports() {
       callbacks.link(callbacks.user, &told);
     }
   }
-  while (const auto exposure = receiver.take_raw()) {
+  while (receiver) {
+    const auto exposure = receiver->take_raw();
+    if (!exposure) {
+      break;
+    }
     stof_raw told = lib::to_raw(*exposure);
     told.struct_size = sizeof told;
     if (callbacks.raw != nullptr) {
       callbacks.raw(callbacks.user, &told);
     }
   }
-  const auto& report = receiver.health();
+  const auto& report = played ? played->playback().health() : receiver->health();
   if (report && report->uptime_ms != told_health_ms && callbacks.health != nullptr) {
     told_health_ms = report->uptime_ms;
     stof_health told = lib::with_age(lib::to_health(*report), link_state());
@@ -138,71 +156,18 @@ std::optional<client::LinkEvent> stof_sensor::take_link_event() {
 
 client::LinkState stof_sensor::link_state() {
   const std::scoped_lock lock(shared);
-  return watch.state(client::Time::clock::now());
+  return link_state_shared();
+}
+
+client::LinkState stof_sensor::link_state_shared() {
+  return played_link ? *played_link : watch.state(client::Time::clock::now());
 }
 
 extern "C" {
 
-stof_status stof_open(const stof_options* options, stof_sensor** sensor, char* why,
-                      size_t why_size) {
-  const auto known = lib::read(options);
-  lib::give_text("", why, why_size);
-  if (sensor == nullptr || !known) {
-    lib::give_text("stof_open: no options, or without struct_size: use STOF_INIT(stof_options)",
-                   why, why_size);
-    return STOF_BAD_ARGUMENT;
-  }
-  *sensor = nullptr;
-  return guarded([&] {
-    client::ReceiverOptions wanted = receiver_options(*known);
-    const std::string key_file = known->keys == nullptr ? client::user_keys_file() : known->keys;
-    if (known->signed_streams != 0 || known->key_id != 0) {
-      auto keys = client::read_user_keys(key_file);
-      if (!keys) {
-        lib::give_text(keys.error().message, why, why_size);
-        return STOF_BAD_ARGUMENT;
-      }
-      auto meant =
-          client::meant_sensor(key_file, *keys, wanted.sensor,
-                               {.device = wanted.reassembler.device_id, .key_id = known->key_id});
-      if (!meant || !meant->doubt.empty()) {
-        lib::give_text(meant
-                           ? "stof_open: " + meant->doubt + " in stof_options::device_id or key_id"
-                           : meant.error().message,
-                       why, why_size);
-        return STOF_BAD_ARGUMENT;
-      }
-      wanted.subscription.signed_streams = known->signed_streams != 0;
-      wanted.subscription.keys = meant->keys;
-      wanted.subscription.reread = client::rereading(key_file);
-      wanted.reassembler.device_id = meant->device;
-    }
-    if (known->raw_pictures != 0) {
-      if (wanted.sensor.empty() || known->raw_step > kMostRawStep) {
-        lib::give_text(
-            "stof_open: raw_pictures: takes a sensor to subscribe at, and a raw_step of "
-            "at most 255",
-            why, why_size);
-        return STOF_BAD_ARGUMENT;
-      }
-      wanted.subscription.raw = raw_request(*known);
-    }
-    auto receiver = client::Receiver::open(wanted);
-    if (!receiver) {
-      lib::give_text(receiver.error().message, why, why_size);
-      return lib::to_status(receiver.error().status);
-    }
-    auto opened = std::make_unique<stof_sensor>(std::move(*receiver), wanted.sensor, key_file,
-                                                known->device_id, known->key_id);
-    opened->raw = known->raw_pictures != 0;
-    opened->share();
-    *sensor = opened.release();
-    return STOF_OK;
-  });
-}
-
 void stof_close(stof_sensor* sensor) {
   if (sensor != nullptr && stof_stop(sensor) == STOF_OK) {
+    static_cast<void>(stof_record_end(sensor, nullptr, nullptr, 0));
     delete sensor;
   }
 }
@@ -223,14 +188,17 @@ stof_status stof_next(stof_sensor* sensor, int timeout_ms, stof_frame* frame) {
   });
 }
 
-int stof_fd(const stof_sensor* sensor) { return sensor == nullptr ? -1 : sensor->receiver.fd(); }
+int stof_fd(const stof_sensor* sensor) {
+  return sensor == nullptr || !sensor->receiver ? -1 : sensor->receiver->fd();
+}
 
 int stof_due_ms(const stof_sensor* sensor) {
   constexpr int kSoon = 1000;
   if (sensor == nullptr || sensor->running) {
     return kSoon;
   }
-  const auto due = sensor->receiver.next_due();
+  const auto due =
+      sensor->played ? std::optional(sensor->played->due()) : sensor->receiver->next_due();
   if (!due) {
     return kSoon;
   }
@@ -252,7 +220,7 @@ stof_status stof_get_health(stof_sensor* sensor, stof_health* health) {
   if (!sensor->health) {
     return STOF_NOT_YET;
   }
-  const client::LinkState state = sensor->watch.state(client::Time::clock::now());
+  const client::LinkState state = sensor->link_state_shared();
   return lib::give(health, lib::with_age(*sensor->health, state)) ? STOF_OK : STOF_BAD_ARGUMENT;
 }
 
@@ -261,7 +229,7 @@ stof_status stof_get_link(stof_sensor* sensor, stof_link* link) {
     return STOF_BAD_ARGUMENT;
   }
   const std::scoped_lock lock(sensor->shared);
-  stof_link told = lib::to_link(sensor->watch.state(client::Time::clock::now()));
+  stof_link told = lib::to_link(sensor->link_state_shared());
   told.restarts = sensor->link_events.restarts();
   return lib::give(link, told) ? STOF_OK : STOF_BAD_ARGUMENT;
 }
@@ -286,7 +254,7 @@ stof_status stof_get_clock(stof_sensor* sensor, stof_clock* clock) {
     return STOF_BAD_ARGUMENT;
   }
   const std::scoped_lock lock(sensor->shared);
-  if (sensor->clock.unmappable()) {
+  if (sensor->played || sensor->clock.unmappable()) {
     return STOF_UNSUPPORTED;
   }
   const auto mapping = sensor->clock.mapping();
@@ -312,9 +280,9 @@ stof_status stof_next_raw(stof_sensor* sensor, stof_raw* raw) {
     return STOF_UNSUPPORTED;
   }
   return guarded([&] {
-    const auto exposure = sensor->receiver.take_raw();
+    const auto exposure = sensor->receiver->take_raw();
     if (!exposure) {
-      switch (sensor->receiver.raw_refusal()) {
+      switch (sensor->receiver->raw_refusal()) {
         case wire::SubscribeResult::kRawDenied:
           return STOF_REFUSED;
         case wire::SubscribeResult::kRawTaken:
@@ -336,11 +304,11 @@ stof_status stof_next_event(stof_sensor* sensor, stof_event* event) {
     return STOF_BUSY;
   }
   return guarded([&] {
-    const auto report = sensor->receiver.take_event();
-    if (!report) {
+    if (sensor->events.empty()) {
       return STOF_TIMEOUT;
     }
-    static_cast<void>(lib::give(event, lib::to_event(*report)));
+    static_cast<void>(lib::give(event, lib::to_event(sensor->events.front())));
+    sensor->events.pop_front();
     return STOF_OK;
   });
 }

@@ -31,26 +31,29 @@ stof_status status_of(Status status) noexcept {
   }
 }
 
-struct Refusal {
-  std::string text;
-  stof_status status;
-};
+}  // namespace
 
-// With the keys of the sensor that is meant.
-std::optional<Refusal> open_control(stof_sensor& sensor) {
+// With the keys of the sensor that is meant; over a line without any.
+std::optional<lib::Refusal> lib::open_control(stof_sensor& sensor) {
   client::ControlOptions options;
   if (sensor.device_id != 0) {
     options.device_id = sensor.device_id;
   }
+  if (sensor.line) {
+    options.unsigned_answers = client::Unsigned::kAlways;
+    sensor.control =
+        std::make_unique<client::ControlClient>(client::serial_transport(sensor.line), options);
+    return std::nullopt;
+  }
   if (!sensor.keys.empty()) {
     auto keys = client::read_user_keys(sensor.keys);
     if (!keys) {
-      return Refusal{keys.error().message, STOF_REFUSED};
+      return lib::Refusal{keys.error().message, STOF_REFUSED};
     }
     auto meant = client::meant_sensor(sensor.keys, *keys, sensor.sensor,
                                       {.device = options.device_id, .key_id = sensor.key_id});
     if (!meant) {
-      return Refusal{meant.error().message, STOF_REFUSED};
+      return lib::Refusal{meant.error().message, STOF_REFUSED};
     }
     options.keys = meant->keys;
     options.device_id = meant->device;
@@ -58,13 +61,11 @@ std::optional<Refusal> open_control(stof_sensor& sensor) {
   }
   auto opened = client::ControlClient::open(sensor.sensor, options);
   if (!opened) {
-    return Refusal{opened.error().message, lib::to_status(opened.error().status)};
+    return lib::Refusal{opened.error().message, to_status(opened.error().status)};
   }
   sensor.control = std::make_unique<client::ControlClient>(std::move(*opened));
   return std::nullopt;
 }
-
-}  // namespace
 
 extern "C" {
 
@@ -74,14 +75,17 @@ stof_status stof_settings(stof_sensor* sensor, stof_operation operation, stof_do
   if (sensor == nullptr || (answer != nullptr && answer->struct_size < sizeof(std::uint32_t))) {
     return STOF_BAD_ARGUMENT;
   }
-  if (sensor->sensor.empty()) {
-    lib::give_text("stof_settings: name the sensor in stof_options::sensor", out, out_size);
+  if (sensor->sensor.empty() && !sensor->line) {
+    lib::give_text(sensor->played
+                       ? "stof_settings: a recording is read: nobody is there to be asked"
+                       : "stof_settings: name the sensor in stof_options::sensor",
+                   out, out_size);
     return STOF_UNSUPPORTED;
   }
   return lib::guarded([&] {
     const std::scoped_lock lock(sensor->control_mutex);
     if (!sensor->control) {
-      if (const std::optional<Refusal> refusal = open_control(*sensor)) {
+      if (const std::optional<lib::Refusal> refusal = lib::open_control(*sensor)) {
         lib::give_text(refusal->text, out, out_size);
         return refusal->status;
       }

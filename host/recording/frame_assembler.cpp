@@ -27,6 +27,32 @@ client::Frame RecordedFrame::view() const {
   return frame;
 }
 
+client::Frame RecordedFrame::whole_view() const {
+  const auto sized = []<typename T>(const std::vector<T>& pixels, int columns, int rows) {
+    return pixels.empty() ? dsp::ImageView<const T>()
+                          : dsp::ImageView<const T>(pixels.data(), columns, rows);
+  };
+  client::Frame frame = view();
+  frame.right = sized(right, left_width, left_height);
+  frame.disparity = sized(disparity, width, height);
+  for (std::size_t k = 0; k < pmd.size(); ++k) {
+    frame.pmd[k] = sized(pmd[k], pmd_width, pmd_height);
+  }
+  const auto mark = [&](wire::Stream stream, const auto& image) {
+    if (image.empty() || frame.received.empty()) {
+      return;
+    }
+    frame.marks[client::index_of(stream)] = frame.received;
+    frame.missing[client::index_of(stream)] = static_cast<std::uint32_t>(std::ranges::count_if(
+        received,
+        [bit = client::mark_of(stream)](std::uint8_t marks) { return (marks & bit) == 0; }));
+  };
+  mark(wire::Stream::kDepth, frame.depth);
+  mark(wire::Stream::kWidth, frame.interval_width);
+  mark(wire::Stream::kSource, frame.source);
+  return frame;
+}
+
 std::optional<RecordedFrame> FrameAssembler::take(Topic topic, const mcap::Message& message) {
   switch (topic) {
     case Topic::kFrameInfo:

@@ -40,6 +40,8 @@ class RecordedFrame {
 
   // Views into this object: depth, width, source, cause and left as they were received.
   client::Frame view() const;
+  // The same with the other pictures, marks and what is missing, as a receiver gives it.
+  client::Frame whole_view() const;
 };
 
 struct Sights {                                                        // beside the frames

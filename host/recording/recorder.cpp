@@ -131,7 +131,7 @@ void Recorder::run() {
   const auto count = channel == channels_.end() ? counts.end() : counts.find(channel->second);
   ended_.frames = count == counts.end() ? 0 : count->second;
   ended_.statistics = writer_.index().statistics;
-  ended_.bytes = writer_.position();
+  ended_.bytes = indexed ? writer_.bytes() : writer_.position();
 }
 
 Recorder::Ended Recorder::finish() {

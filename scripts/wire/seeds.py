@@ -253,7 +253,7 @@ def signed_requests():
     for operation in wire.SettingsOperation:
         request = wire.SettingsRequest(request_id=9, operation=operation, document=0).pack()
         text = {"SET": b'{"streams":{"depth":"raw"}}', "STAGE": b'{"name":"left"}', "PRESET": b"outdoor",
-                "UNPAIR": b"0000000d"}.get(operation.name, b"")
+                "UNPAIR": b"0000000d", "DOWNLOAD": wire.DownloadRequest(kind=wire.UploadKind.CALIBRATION).pack()}.get(operation.name, b"")
         body = bytes([wire.PacketType.SETTINGS_REQUEST]) + request + text
         seeds[f"settings_{operation.name.lower()}"] = b"".join(record(body, SEAL | PEERS * who) for who in range(3)) + record(body, 0)
     whole, file = uploads(wire), bytes(range(200)) * 2
@@ -373,6 +373,101 @@ def mcap():
     return seeds
 
 
+def cdr_packet(kind, payload, number=1, freshness=1, session=1):
+    """stof_msgs/msg/Packet, as host/recording/ros_messages.cpp has it."""
+    head = bytes([0, 1, 0, 0]) + struct.pack("<iI", 1, 2) + struct.pack("<I", 2) + b"a\0" + b"\0\0"
+    body = struct.pack("<IIIIq", 1, session, number, freshness, 5) + bytes([0, 0, kind, 0]) + bytes(12)
+    return head + body + struct.pack("<I", len(payload)) + payload
+
+
+def cdr_image(encoding, width, height, data):
+    text = encoding.encode() + b"\0"
+    head = bytes([0, 1, 0, 0]) + struct.pack("<iI", 1, 2) + struct.pack("<I", 2) + b"a\0" + b"\0\0" + struct.pack("<II", height, width)
+    body = struct.pack("<I", len(text)) + text + b"\0"  # which is the order of bytes
+    body += bytes(-len(body) % 4) + struct.pack("<I", width * (2 if "16" in encoding else 1))
+    return head + body + struct.pack("<I", len(data)) + data
+
+
+def raw_recording():
+    """Messages of the topics of host/recording/topics.h; the first byte says how, see tests/fuzz/raw_recording.cpp."""
+    wire = samples.wire
+    info_topic, calibration, settings, edge, left, right, pmd, depth = 11, 12, 15, 16, 17, 18, 19, 3
+    document = b'{"name": "a"}\0'
+    said = bytes([0, 1, 0, 0]) + struct.pack("<I", len(document)) + document
+
+    def exposure(number):
+        window = wire.Window(begin_ns=100, end_ns=200)
+        info = wire.RawInfo(edge_ns=50, pair_exposures=(window,) * 2, pmd_exposures=(window,) * 4, number=number, width=4, height=2,
+                            camera_width=4, camera_height=2, pmd_width=2, pmd_height=1, pictures=7, step=1, pmd_every=1)
+        packet = cdr_packet(wire.PacketType.RAW_INFO, info.pack(), number, number)
+        tiles = wire.FrameInfo(tiles=(1, 0, 0, 0, 0, 0, 0, 0)).pack()
+        return [(edge, packet), (left, cdr_image("mono8", 4, 2, bytes(8))), (right, cdr_image("mono8", 4, 2, bytes(8))),
+                (pmd, cdr_image("16UC1", 2, 4, bytes(16))), (depth, cdr_image("16UC1", 4, 2, bytes(16))),
+                (info_topic, cdr_packet(wire.PacketType.FRAME_INFO, tiles, number, number))]
+
+    def file(parts, number=1):
+        return b"".join(record(bytes([number]) + data, topic) for topic, data in parts)
+
+    begin = file([(settings, said)])
+    one = file(exposure(1))
+    other = record(b"\1" + cdr_packet(wire.PacketType.RAW_INFO, wire.RawInfo().pack(), session=2), edge)
+    return {"two": b"\1" + begin + one + file(exposure(2), 2), "pair_alone": b"\1" + begin + file(exposure(1)[:3]),
+            "other_session": b"\1" + begin + one + other, "no_settings": b"\1" + one,
+            "calibration": b"\1" + begin + record(b"\0" + cdr_packet(wire.PacketType.CALIBRATION, bytes(200)), calibration) + one,
+            "file": b"\0" + mcap()["whole"][1:]}
+
+
+def download():
+    wire = samples.wire
+    file = bytes(range(40)) * 8
+    file += struct.pack("<I", wire.crc32c(file))
+    fingerprint = struct.unpack("<I", file[-4:])[0]
+
+    def answer(part, offset, total=len(file), mark=fingerprint, **fields):
+        text = wire.DownloadAnswer(total=total, offset=offset, fingerprint=mark).pack() + part
+        return samples.seal(wire.PacketType.SETTINGS_ANSWER, wire.SettingsAnswer(total=len(text), revision=1, **fields).pack() + text)
+
+    halves = [answer(file[:200], 0), answer(file[200:], 200)]
+    return {"whole": records([answer(file, 0)]), "halves": records(halves), "changed": records([halves[0], answer(file[200:], 200, mark=7), *halves]),
+            "damaged": records([answer(file[:-1] + b"?", 0)]), "longer": records([answer(file + b"?", 0)]), "empty": records([answer(b"", 0)]),
+            "refused": records([answer(b"", 0, result=2)]), "cookie": records([answer(b"", 0, result=1, cookie=7), *halves])}
+
+
+def client_frames():
+    """The first byte says in parts of which size."""
+    def frame(opcode, payload, mask=0x80):
+        size = len(payload)
+        head = bytes([0x80 | opcode, mask | size]) if size < 126 else bytes([0x80 | opcode, mask | 126]) + struct.pack(">H", size)
+        return head + (bytes(4) if mask else b"") + payload
+    long = bytes([0x82, 0xFF]) + struct.pack(">Q", 20) + bytes(24)
+    return {"text": b"\x1f" + frame(1, b"{}") * 3, "long": b"\x07" + frame(2, bytes(300)) + frame(9, b""), "longest": b"\x02" + long,
+            "endless": b"\x1f" + bytes([0x82, 0xFF]) + b"\xff" * 12 + bytes(9), "bare": b"\0" + frame(1, b"ab") + frame(1, b"ab", mask=0)}
+
+
+def page_message():
+    says = [{"show": ["depth", "left"], "frames": 2, "quiet": False}]
+    ask = {"id": 7, "ticket": "t"}
+    for what, more in (("settings", {}), ("set", {"settings": {"depth.max_range_mm": 4000, "name": "a=b\n", "parity": True}}), ("save", {}),
+                       ("faults", {}), ("fault", {"device": "pmd", "kind": "vanish", "edges": 30}), ("record", {"on": True}), ("play", {"on": False}),
+                       ("seek", {"to_ms": 5}), ("pair", {"code": "0011-aa", "role": "tune"}), ("digits", {"digits": "123 456"}),
+                       ("end_pairing", {}), ("release", {}), ("update", {"file": "rpi4.update"})):
+        says.append({"do": what, **ask, **more})
+    seeds = {f"{k}": json.dumps(one).encode() for k, one in enumerate(says)}
+    return {**seeds, "twice": b'{"do":"save","id":1,"id":2,"ticket":"t"}', "deep": b'{"do":' + b"[" * 900, "path": json.dumps(
+        {"do": "update", **ask, "file": "../x"}).encode()}
+
+
+def foxglove():
+    """Messages of four clients."""
+    def say(**message):
+        return json.dumps(message).encode()
+    subscribe = say(op="subscribe", subscriptions=[{"id": k, "channelId": k + 1} for k in range(6)])
+    end = say(op="unsubscribe", subscriptionIds=[0, 5, 9])
+    talk = b"".join(record(subscribe, PEERS * who | SECONDS * (who + 1)) for who in range(4)) + record(end, PEERS) + record(subscribe, PEERS)
+    return {"talk": talk, "twice": record(subscribe, 0) * 2, "other": record(say(op="advertise"), 0) + record(b"{}", 0),
+            "wrong": record(say(op="subscribe", subscriptions=[{"id": -1, "channelId": 99}]), 0), "none": record(b'{"op":7}', PEERS)}
+
+
 def update():
     """Update files; the first byte says what the target sets right (tests/fuzz/update.cpp)."""
     def file(content, board=b"virt", counter=1, letter=0xFFFFFFFF, chunk=1 << 16):
@@ -385,7 +480,8 @@ def update():
             "damaged": b"\x5d" + small[:-1] + b"?", "cut": b"\x5d" + large[:70000], "rpi4": b"\x5d" + file(b"s", board=b"rpi4")}
 
 
-TARGETS = {"update": update, "mcap": mcap, "import_ros": import_ros, "import_kalibr": import_kalibr, "import_opencv": import_opencv, "dataset": dataset, "signed_requests": signed_requests, "usb": usb, "pairing": pairing, "calibration": calibration, "config_answers": config_answers, "subscription": subscription,
+TARGETS = {"client_frames": client_frames, "download": download, "foxglove": foxglove, "page_message": page_message, "raw_recording": raw_recording,
+           "update": update, "mcap": mcap, "import_ros": import_ros, "import_kalibr": import_kalibr, "import_opencv": import_opencv, "dataset": dataset, "signed_requests": signed_requests, "usb": usb, "pairing": pairing, "calibration": calibration, "config_answers": config_answers, "subscription": subscription,
            "discovery": discovery, "reassembler": reassembler, "requests": requests, "serial": serial, "settings": settings, "rvl": rvl,
            "mavlink": mavlink, "mdns": mdns, "view": reassembler}
 

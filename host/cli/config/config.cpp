@@ -14,11 +14,11 @@
 #include "host/cli/output.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/sensor/find_sensor.h"
-#include "host/cli/serial_transport.h"
 #include "host/cli/words.h"
 #include "host/client/control/known_sensors.h"
 #include "host/client/control/user_keys.h"
 #include "host/client/printable.h"
+#include "host/client/serial/serial_line.h"
 
 namespace stof::host {
 namespace {
@@ -70,7 +70,10 @@ class Session {
  public:
   Session(std::unique_ptr<client::ControlTransport> transport,
           const client::ControlOptions& control, bool json)
-      : place_(transport->place()), client_(std::move(transport), control), json_(json) {}
+      : place_(transport->place()),
+        client_(std::move(transport), control),
+        unclear_(!control.doubt.empty()),
+        json_(json) {}
 
   const std::optional<client::ControlClient::Proof>& proven() const { return client_.proven(); }
 
@@ -79,7 +82,9 @@ class Session {
                             Document document = {}) {
     auto answer = client_.request(operation, document, text);
     if (!answer) {
-      throw Failure(Exit::kFailure, answer.error().message);
+      // Nobody knows which sensor is meant: that one may be read, and nothing else.
+      const bool unclear = unclear_ && answer.error().status == Status::kUnsupported;
+      throw Failure(unclear ? Exit::kBadInput : Exit::kFailure, answer.error().message);
     }
     switch (answer->result) {
       case wire::SettingsResult::kOk:
@@ -224,6 +229,7 @@ class Session {
 
   std::string place_;
   client::ControlClient client_;
+  bool unclear_;
   bool json_;
 };
 
@@ -328,7 +334,7 @@ void config(const ConfigOptions& options) {
     transport = value_or_fail(client::open_udp_transport(sensor_address(whole.sensor)));
   } else {
     judge_config_words(words);
-    transport = value_or_fail(open_serial_transport(options.serial, options.baud));
+    transport = value_or_fail(client::open_serial_transport(options.serial, options.baud));
   }
   const std::string text = config_over(std::move(transport), words, whole);
   say_text(text);

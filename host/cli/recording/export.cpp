@@ -12,9 +12,9 @@
 #include "host/cli/json_output.h"
 #include "host/cli/live/reception.h"
 #include "host/cli/output.h"
+#include "host/cli/progress_line.h"
 #include "host/cli/recording/damage_text.h"
 #include "host/cli/recording/exporters.h"
-#include "host/cli/recording/reading_progress.h"
 #include "host/cli/sensor/find_sensor.h"
 #include "host/recording/frame_messages.h"
 #include "host/recording/recording.h"
@@ -65,9 +65,11 @@ class LiveExport {
                              .line =
                                  [this](const std::string& line) {
                                    if (!options_.json) {
+                                     progress_.clear();
                                      say(line);
                                    }
-                                 }}) {}
+                                 }}),
+        progress_(options.sensor, options.json) {}
 
   ExportCounts run() {
     reception_.run([this] {
@@ -78,6 +80,7 @@ class LiveExport {
       }
       return options_.frames != 0 && counts_.frames >= options_.frames;
     });
+    progress_.clear();
     if (reception_.frames() == 0) {
       reception_.fail();
     }
@@ -115,6 +118,7 @@ class LiveExport {
       const ExportStamp stamp{.index = counts_.frames, .log_time = clock_.at(frame.last_packet)};
       counts_.exported += exporter_->add(frame, stamp) ? 1U : 0U;
       ++counts_.frames;
+      progress_.show(counts_.frames, options_.frames);
     }
   }
 
@@ -126,6 +130,7 @@ class LiveExport {
   std::optional<std::uint64_t> uptime_ms_;
   std::unique_ptr<Exporter> exporter_;  // none before the first frame that counts
   Reception reception_;
+  ExportProgress progress_;
 };
 
 void export_sensor(const ExportOptions& options) {
@@ -142,7 +147,7 @@ void export_recording(const ExportOptions& options) {
   const std::unique_ptr<Exporter> exporter = make_exporter(options.as, options.to);
   ExportCounts counts;
   {
-    ReadingProgress progress(file);
+    ExportProgress progress(file, options.json);
     while (options.frames == 0 || counts.frames < options.frames) {
       const std::optional<recording::RecordedFrame> frame = reader.next();
       if (!frame) {
@@ -151,7 +156,7 @@ void export_recording(const ExportOptions& options) {
       const ExportStamp stamp{.index = counts.frames, .log_time = frame->log_time};
       counts.exported += exporter->add(frame->view(), stamp) ? 1U : 0U;
       ++counts.frames;
-      progress.show(reader.position(), reader.size());
+      progress.show(counts.frames, reader.position(), reader.size());
     }
   }
   exporter->finish(reader.sights());

@@ -163,7 +163,7 @@ void info(const InfoOptions& options) {
     return;
   }
   const recording::Summary summary = [&] {
-    ReadingProgress progress(file);
+    ReadingProgress progress(file, options.json);
     return value_or_fail(recording::summarise(file, progress.callback()));
   }();
   say_text(options.json ? info_json(file, summary) + "\n" : info_text(file, summary));

@@ -1,32 +1,25 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <string>
 
+#include "host/cli/progress_line.h"
 #include "host/recording/mcap/progress.h"
 
 namespace stof::host {
 
-// A line on stderr that is overwritten, on a terminal alone, where a file takes longer than two
-// seconds to read.
+// How far a file is read, where that takes longer than two seconds.
 class ReadingProgress {
  public:
-  explicit ReadingProgress(std::string file);
-  ~ReadingProgress();  // ends the line
-  ReadingProgress(const ReadingProgress&) = delete;
-  ReadingProgress& operator=(const ReadingProgress&) = delete;
+  ReadingProgress(const std::string& file, bool json);
 
   void show(std::uint64_t bytes, std::uint64_t total);
   // For what takes one; this outlives it.
   mcap::Progress callback();
 
  private:
-  using Clock = std::chrono::steady_clock;
   std::string file_;
-  Clock::time_point due_;
-  bool terminal_;
-  bool open_ = false;
+  TerminalLine line_;
 };
 
 }  // namespace stof::host

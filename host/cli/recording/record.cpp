@@ -14,12 +14,12 @@
 #include "host/cli/output.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/recording/sensor_documents.h"
-#include "host/cli/recording/session_recording.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/stop_signal.h"
 #include "host/cli/view/raw_files.h"
 #include "host/cli/view/status_line.h"
 #include "host/recording/recorder.h"
+#include "host/recording/session_recording.h"
 #include "host/text/printed.h"
 
 namespace stof::host {
@@ -33,11 +33,16 @@ constexpr double kAnewS = 8;
 class Recording {
  public:
   Recording(const RecordOptions& options, client::Receiver& receiver, recording::Recorder& recorder,
-            SensorDocuments documents)
+            recording::SensorDocuments documents)
       : options_(options),
         receiver_(receiver),
         recorder_(recorder),
-        session_(recorder, options, {.program = options.program, .raw = options.raw},
+        session_(recorder,
+                 {.program = options.program,
+                  .sensor = name_for_file(options),
+                  .is_signed = options.signed_streams,
+                  .raw = options.raw,
+                  .read = documents_reader(options)},
                  std::move(documents)) {}
 
   // Until enough came, a signal, the timeout, or a disk that takes no more.
@@ -163,7 +168,7 @@ class Recording {
   client::Receiver& receiver_;
   LinkTeller teller_;
   recording::Recorder& recorder_;
-  SessionRecording session_;
+  recording::SessionRecording session_;
   client::Time began_;
   client::Time counting_since_;
   bool silent_ = false;
@@ -223,9 +228,9 @@ void judge(const RecordOptions& options, client::Receiver& receiver, const Recor
 }
 
 // With raw pictures these have to be there: without them nothing can be computed again.
-SensorDocuments documents_of(const RecordOptions& options) {
+recording::SensorDocuments documents_of(const RecordOptions& options) {
   constexpr int kTries = 3;
-  SensorDocuments documents = read_documents(options, options.raw);
+  recording::SensorDocuments documents = read_documents(options, options.raw);
   const auto lacks = [&] {
     return options.raw && (documents.settings.empty() || documents.calibration.empty());
   };

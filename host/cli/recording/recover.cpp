@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/failure.h"
+#include "host/cli/json_output.h"
 #include "host/cli/output.h"
 #include "host/cli/recording/damage_text.h"
 #include "host/cli/recording/reading_progress.h"
@@ -21,7 +22,7 @@ void recover(const RecoverOptions& options) {
   using Existing = mcap::FileSink::Existing;
   const Existing existing = options.force ? Existing::kReplace : Existing::kRefuse;
   const mcap::Recovered result = [&] {
-    ReadingProgress progress(options.file.string());
+    ReadingProgress progress(options.file.string(), options.json);
     return value_or_fail(
         in_place ? mcap::recover(options.file, progress.callback())
                  : mcap::recover(options.file, options.out, existing, progress.callback()));

@@ -11,6 +11,7 @@
 #include "dataset/files/file.h"
 #include "firmware/wire/crypto/crypto.h"
 #include "host/cli/failure.h"
+#include "host/cli/json_output.h"
 #include "host/cli/output.h"
 #include "host/cli/stop_signal.h"
 #include "host/recording/replay/recorded_packets.h"

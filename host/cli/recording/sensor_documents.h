@@ -1,51 +1,18 @@
 #pragma once
 
-#include <cstdint>
-#include <future>
-#include <optional>
-#include <set>
 #include <string>
 
 #include "host/cli/receive.h"
+#include "host/recording/sensor_documents.h"
 
 namespace stof::host {
 
-// What a recording holds of a sensor beside what it sends: settings, and its calibration file.
-struct SensorDocuments {
-  std::string settings{};        // the document `active`; empty: see the next
-  std::string no_settings{};     // why
-  std::string calibration{};     // the file; empty: not asked for, or see the next
-  std::string no_calibration{};  // why
-};
-
-// Asks the sensor; blocks for as long as its answers take, a few seconds where it gives none.
-SensorDocuments read_documents(const ReceiveOptions& options, bool calibration);
-
-// Reads them again, beside whoever receives, each time a frame was made with others. For one
-// thread.
-class DocumentWatch {
- public:
-  // calibration: its file is read, too. options: outlive it.
-  DocumentWatch(const ReceiveOptions& options, bool calibration)
-      : options_(options), calibration_(calibration) {}
-
-  // What there is already.
-  void know(const SensorDocuments& documents);
-  // A frame was made with these; 0: not told.
-  void note(std::uint32_t settings, std::uint32_t calibration);
-  // What came since the last call and is not known yet, with empty texts for the rest. wait: until
-  // what is being read has come.
-  std::optional<SensorDocuments> take(bool wait = false);
-
- private:
-  const ReceiveOptions& options_;
-  bool calibration_;
-  std::set<std::uint32_t> known_settings_;  // fingerprints, and those that nobody has any more
-  std::set<std::uint32_t> known_calibrations_;
-  std::uint32_t wanted_settings_ = 0;
-  std::uint32_t wanted_calibration_ = 0;
-  int tries_ = 0;  // for these, without an answer
-  std::future<SensorDocuments> reading_;
-};
+// Of the sensor that is received, over a way of its own; blocks for as long as its answers take, a
+// few seconds where it gives none.
+recording::SensorDocuments read_documents(const ReceiveOptions& options, bool calibration);
+// The same for whoever records it. None: it sends here by itself, and cannot be asked.
+recording::ReadDocuments documents_reader(const ReceiveOptions& options);
+// What a recording calls the sensor.
+std::string name_for_file(const ReceiveOptions& options);
 
 }  // namespace stof::host

@@ -131,14 +131,15 @@ CheckFacts check_sensor(const CheckOptions& options,
 }
 
 CheckFacts check_file(const CheckOptions& options) {
-  CheckFacts facts{.recorded = true, .sensor = "SENSOR", .stats = stats_of_file(options.sensor)};
+  CheckFacts facts{
+      .recorded = true, .sensor = "SENSOR", .stats = stats_of_file(options.sensor, options.json)};
   auto reader = value_or_fail(recording::FrameReader::open(options.sensor));
   while (const std::optional<recording::RecordedFrame> frame = reader.next()) {
     facts.calibration = frame->calibration ? frame->calibration : facts.calibration;
     look_at(frame->view(), facts);
   }
   if (!reader.sights().health.empty()) {
-    facts.health = health_of_file(options.sensor);
+    facts.health = health_of_file(options.sensor, options.json);
   }
   return facts;
 }

@@ -153,7 +153,8 @@ Check check_link(const CheckFacts& facts) {
 }
 
 Check check_clock(const CheckFacts& facts) {
-  Check check{.name = "clock", .found = std::string("the sensor's is ") + clock_text(facts.clock)};
+  Check check{.name = "clock",
+              .found = std::string("the sensor's is ") + client::clock_text(facts.clock)};
   if (facts.stats.figures.stamps_back() != 0) {
     check.verdict = CheckVerdict::kFix;
     check.found += printed(", %llu stamps go back",

@@ -93,7 +93,7 @@ void receive_health(const HealthOptions& options) {
 
 void health(const HealthOptions& options) {
   if (is_recorded(options.sensor)) {
-    print(options, health_of_file(options.sensor));
+    print(options, health_of_file(options.sensor, options.json));
   } else {
     receive_health(options);
   }
@@ -101,10 +101,10 @@ void health(const HealthOptions& options) {
 
 }  // namespace
 
-HealthState health_of_file(const std::string& file) {
+HealthState health_of_file(const std::string& file, bool json) {
   auto reader = value_or_fail(recording::FrameReader::open(file));
   std::uint64_t end = 0;
-  ReadingProgress progress(file);
+  ReadingProgress progress(file, json);
   while (const std::optional<recording::RecordedFrame> frame = reader.next()) {
     end = std::max(end, frame->log_time);
     progress.show(reader.position(), reader.size());

@@ -24,8 +24,8 @@ struct HealthState {
   std::optional<client::Duration> age{};
 };
 
-// The last one of a recording. Throws Failure where it holds none.
-HealthState health_of_file(const std::string& file);
+// The last one of a recording; json as stats_of_file(). Throws Failure where it holds none.
+HealthState health_of_file(const std::string& file, bool json);
 
 // A line with the figures and the age, and one for each condition: its name, how bad it is, what it
 // means, what to do.

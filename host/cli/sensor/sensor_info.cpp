@@ -6,6 +6,7 @@
 #include "host/cli/sensor/find_sensor.h"
 #include "host/cli/sensor_text.h"
 #include "host/client/printable.h"
+#include "host/client/value_names.h"
 #include "host/discovery/discover.h"
 #include "host/text/printed.h"
 
@@ -48,7 +49,7 @@ SensorInfo read_sensor_info(const ReceiveOptions& options) {
   Reception reception(options, {.frame = [&](const client::Frame& frame) {
                         info.device_id = frame.origin.device_id;
                         info.streams = streams_line(frame);
-                        info.clock = clock_text(frame.stamp.clock);
+                        info.clock = client::clock_text(frame.stamp.clock);
                         replay = frame.stamp.clock == wire::ClockState::kRecorded;
                         if (frame.info) {
                           info.settings_revision = frame.info->settings_revision;

@@ -26,7 +26,7 @@ struct SensorInfo {
   std::uint32_t settings_fingerprint = 0;
   std::optional<wire::CalibrationPacket> calibration{};
   std::optional<HealthState> health{};
-  SensorDocuments documents{};  // settings
+  recording::SensorDocuments documents{};  // settings
 };
 
 // Asks it for that, for the timeout of the options where it `sends`, a second where nobody knows.

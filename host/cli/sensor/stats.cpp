@@ -76,17 +76,17 @@ void stats(const StatsOptions& options) {
     receive_stats(options);
     return;
   }
-  print(options, stats_of_file(options.sensor));
+  print(options, stats_of_file(options.sensor, options.json));
 }
 
 }  // namespace
 
-StreamStats stats_of_file(const std::string& file) {
+StreamStats stats_of_file(const std::string& file, bool json) {
   auto reader = value_or_fail(recording::FrameReader::open(file));
   StreamStats stats{.source = file};
   std::optional<wire::Origin> origin;
   std::uint32_t number = 0;
-  ReadingProgress progress(file);
+  ReadingProgress progress(file, json);
   while (const std::optional<recording::RecordedFrame> frame = reader.next()) {
     stats.figures.take(frame->view(), static_cast<double>(frame->log_time) / 1e9);
     ++(frame->missing_packets == 0 ? stats.counts.frames_complete : stats.counts.frames_incomplete);

@@ -26,8 +26,9 @@ struct StreamStats {
   unsigned restarts = 0;
 };
 
-// Of the whole of it. Throws Failure where it is none, or holds no frame.
-StreamStats stats_of_file(const std::string& file);
+// Of the whole of it. json: of a command that prints JSON, without progress. Throws Failure where
+// it is none, or holds no frame.
+StreamStats stats_of_file(const std::string& file, bool json);
 
 std::string stats_text(const StreamStats& stats);
 nlohmann::ordered_json stats_json(const StreamStats& stats);

@@ -96,7 +96,7 @@ void add_documents(const SupportReportOptions& options, Files& files) {
                          : std::unexpected(client.error());
     files[name] = answer ? std::move(answer->text) : answer.error().message + "\n";
   }
-  SensorDocuments documents = read_documents(options, true);
+  recording::SensorDocuments documents = read_documents(options, true);
   if (documents.calibration.empty()) {
     files["calibration.txt"] = documents.no_calibration + "\n";
   } else {

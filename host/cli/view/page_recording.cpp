@@ -7,7 +7,8 @@
 #include <system_error>
 #include <utility>
 
-#include "host/cli/recording/session_recording.h"
+#include "host/cli/recording/sensor_documents.h"
+#include "host/recording/session_recording.h"
 
 namespace stof::host {
 namespace {
@@ -72,9 +73,8 @@ struct PageRecording::Open {
 
   std::filesystem::path file;
   CountedSink sink;
-  ReceiveOptions receive;
   std::unique_ptr<recording::Recorder> recorder{};
-  std::optional<SessionRecording> session{};  // last: it uses the others
+  std::optional<recording::SessionRecording> session{};  // last: it uses the others
   client::Time began = client::Time::clock::now();
 
   // Blocks until all is written.
@@ -113,8 +113,7 @@ std::expected<void, std::string> PageRecording::begin(const ReceiveOptions& rece
     return std::unexpected(made.error().message);
   }
   std::unique_ptr<Open> open(new Open{.file = made->first,  // NOLINT: it does not move
-                                      .sink = Open::CountedSink(std::move(made->second)),
-                                      .receive = receive});
+                                      .sink = Open::CountedSink(std::move(made->second))});
   auto recorder = recording::Recorder::start(open->sink, {.library = program_});
   if (!recorder) {
     std::error_code none;
@@ -123,9 +122,13 @@ std::expected<void, std::string> PageRecording::begin(const ReceiveOptions& rece
   }
   open->recorder = std::move(*recorder);
   constexpr const char* kLater = "read while it was recorded: see its topic";
-  open->session.emplace(*open->recorder, open->receive,
-                        SessionRecording::Options{.program = program_},
-                        SensorDocuments{.no_settings = kLater, .no_calibration = kLater});
+  open->session.emplace(
+      *open->recorder,
+      recording::SessionRecording::Options{.program = program_,
+                                           .sensor = name_for_file(receive),
+                                           .is_signed = receive.signed_streams,
+                                           .read = documents_reader(receive)},
+      recording::SensorDocuments{.no_settings = kLater, .no_calibration = kLater});
   open_ = std::move(open);
   last_ = {.possible = true, .on = true, .file = open_->file.string()};
   return {};

@@ -99,7 +99,8 @@ class View {
                                         raw_absence(receiver_.raw_refusal()));
     }
     if (frames_ < options_.frames || silent_) {
-      const bool no_key = receiver_.subscription() == client::Subscription::State::kNoKey;
+      const bool no_key = receiver_.subscription() == client::Subscription::State::kNoKey ||
+                          receiver_.other_tags().has_value();
       throw Failure(Exit::kFailure,
                     where + ": the stream ended after " + std::to_string(frames_) + " frames" +
                         (no_key ? silence_text(receiver_, options_.device)

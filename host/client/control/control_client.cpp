@@ -42,7 +42,7 @@ class UdpTransport final : public ControlTransport {
         return fail(Status::kDeviceError);
       }
     }
-    const std::span<const std::byte> datagram = socket_->datagram(next_++);
+    const std::span<const std::byte> datagram = socket_->packet(next_++);
     return std::vector<std::byte>(datagram.begin(), datagram.end());
   }
 

@@ -116,6 +116,15 @@ std::optional<RequestSigner::Answer> RequestSigner::open(
   return Answer{.payload = view->payload, .highest = view->fields.highest};
 }
 
+std::optional<std::uint8_t> RequestSigner::tags_of(const Answer& answer) {
+  if (answer.payload.size() < wire::kSubscribedBytes) {
+    return std::nullopt;
+  }
+  const Result<wire::StreamKeyFields> fields =
+      wire::decode_stream_key_fields(answer.payload.subspan(wire::kSubscribedBytes));
+  return fields && fields->number != 0 ? std::optional(fields->tags) : std::nullopt;
+}
+
 wire::StreamKey RequestSigner::open_stream_key(const Answer& answer) const {
   if (answer.payload.size() < wire::kSubscribedBytes) {
     return {};

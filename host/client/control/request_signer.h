@@ -56,8 +56,10 @@ class RequestSigner {
   // The answer to the request that was sealed last; none: it is not, or nobody knows of whom.
   std::optional<Answer> open(const wire::PacketView& packet,
                              std::span<const std::byte> datagram) const;
-  // The stream key that such an answer hands over; number 0: none.
+  // The stream key that such an answer hands over; number 0: none, or its tags are not known here.
   wire::StreamKey open_stream_key(const Answer& answer) const;
+  // How the tags of the stream key that it hands over are made; nothing: it hands over none.
+  static std::optional<std::uint8_t> tags_of(const Answer& answer);
 
  private:
   int last_key_before(int end) const;

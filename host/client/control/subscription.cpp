@@ -19,6 +19,13 @@ bool granted(SubscribeResult result) {
 
 }  // namespace
 
+std::string other_tags_text(std::uint8_t tags) {
+  return std::string("the sensor signs its streams as ") +
+         (tags < wire::kStreamTags ? "an older release did: update the sensor (stof update)"
+                                   : "a newer release does: update this program") +
+         ", or receive without signatures";
+}
+
 Subscription::Subscription(const SubscriptionOptions& options, std::uint32_t first_request)
     : options_(options), request_(first_request), answered_(first_request) {
   if (options.signed_streams) {
@@ -110,8 +117,9 @@ bool Subscription::judge(const wire::PacketView& packet, std::span<const std::by
       }
       stream_key_ = key;
       proven_key_ = signer_->key()->id;
+      judge_tags(*opened);
     }
-    return !granted(answer->result) || stream_key_.number != 0;
+    return !granted(answer->result) || stream_key_.number != 0 || other_tags_ != wire::kStreamTags;
   }
   // What is not signed only says that a request was not judged.
   if (packet.header.type != PacketType::kSubscribed || !read(packet.payload)) {
@@ -131,6 +139,11 @@ bool Subscription::judge(const wire::PacketView& packet, std::span<const std::by
   return true;
 }
 
+// What cannot be verified is no stream: the sensor is asked again as one that has no place.
+void Subscription::judge_tags(const RequestSigner::Answer& answer) {
+  other_tags_ = RequestSigner::tags_of(answer).value_or(wire::kStreamTags);
+}
+
 void Subscription::answered(const wire::Subscribed& answer, Time now) {
   heard_ = now;
   cookie_ = answer.cookie;
@@ -139,6 +152,12 @@ void Subscription::answered(const wire::Subscribed& answer, Time now) {
     case SubscribeResult::kRawDenied:
     case SubscribeResult::kRawTaken: {
       raw_refusal_ = answer.result;
+      if (other_tags_ != wire::kStreamTags) {
+        state_ = State::kOtherTags;
+        next_ = now + kFullRepeat;
+        hurried_ = false;
+        break;
+      }
       const Duration third = std::chrono::milliseconds(answer.lease_ms) / 3;
       state_ = State::kActive;
       other_sensor_.reset();

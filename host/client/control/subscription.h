@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "firmware/wire/messages/subscribed.h"
 #include "firmware/wire/packet.h"
@@ -12,6 +13,10 @@
 #include "host/client/frame/frame.h"
 
 namespace stof::client {
+
+// One line, without its end: a sensor signs streams with such tags, which this release does not
+// know, and what to do.
+std::string other_tags_text(std::uint8_t tags);
 
 struct SubscriptionOptions {
   // Asked of the sensor, which takes 500 ms to 10 s and says what it grants.
@@ -42,8 +47,9 @@ class Subscription {
   enum class State : std::uint8_t {
     kAsking,  // no answer yet, or no longer
     kActive,
-    kFull,   // the sensor has as many subscribers as it takes
-    kNoKey,  // of signed streams: there is no key of the sensor, or it has none of them
+    kFull,       // the sensor has as many subscribers as it takes
+    kNoKey,      // of signed streams: there is no key of the sensor, or it has none of them
+    kOtherTags,  // of signed streams: the sensor signs them as no receiver of this release verifies
   };
 
   // first_request: of the numbers of requests, best random.
@@ -70,6 +76,8 @@ class Subscription {
   // Why the newest answer that was no cookie brings no raw pictures: kRawDenied, kRawTaken. kOk: it
   // does, or none were asked for.
   wire::SubscribeResult raw_refusal() const noexcept { return raw_refusal_; }
+  // How a sensor signs, in State::kOtherTags (StreamKeyFields::tags).
+  std::uint8_t other_tags() const noexcept { return other_tags_; }
   // Who answers in the place of SubscriptionOptions::device_id; none: nobody, or that one.
   std::optional<std::uint32_t> other_sensor() const noexcept { return other_sensor_; }
   // With which key of the user it was proven whose streams they are; 0: it was not.
@@ -94,6 +102,7 @@ class Subscription {
   // Whether an answer is believed; of signed streams also what it says of keys.
   bool judge(const wire::PacketView& packet, std::span<const std::byte> datagram,
              std::optional<wire::Subscribed>& answer);
+  void judge_tags(const RequestSigner::Answer& answer);
   void reread_keys(Time now);
   void hurry(Time now);
 
@@ -110,6 +119,7 @@ class Subscription {
   std::optional<RequestSigner> signer_;
   wire::StreamKey stream_key_;
   bool wants_key_ = false;  // another one than that
+  std::uint8_t other_tags_ = wire::kStreamTags;
   std::optional<Time> renewed_;
   std::optional<Time> reread_;
   Time asked_ = Time::min();  // the newest request

@@ -10,19 +10,19 @@ docs/PYTHON.md has more. Images take numpy, all else the standard library alone.
 sensor's clock, where they do not say otherwise.
 """
 
-from ._errors import (BadArgument, Busy, Closed, Error, LibraryError, Lost, NoMemory, NotFound, NotYet, Refused, Timeout, Unreachable,
+from ._errors import (BadArgument, Busy, Closed, End, Error, FileFailed, LibraryError, Lost, NoMemory, NotFound, NotYet, Refused, Timeout, Unreachable,
                       Unsupported)
 from ._frame import Frame, Raw
 from ._library import version as _version
 from ._sensor import Sensor, discover, open  # noqa: A004
 from ._values import (Answer, Calibration, Cause, Clock, Condition, Document, Event, Found, FoundBy, Health, HealthState, Info, Link,
-                      LinkCondition, LinkEvent, Reaction, SensorSet, Setting, Severity, Source)
+                      LinkCondition, LinkEvent, Reaction, Recorded, SensorSet, Setting, Severity, Source)
 
 __version__: str = _version()  # of the library in use
 
-__all__ = ["Answer", "BadArgument", "Busy", "Calibration", "Cause", "Clock", "Closed", "Condition", "Document", "Error", "Event", "Found", "FoundBy",
+__all__ = ["Answer", "BadArgument", "Busy", "Calibration", "Cause", "Clock", "Closed", "Condition", "Document", "End", "Error", "Event", "FileFailed", "Found", "FoundBy",
            "Frame", "Health", "HealthState", "Info", "LibraryError", "Link", "LinkCondition", "LinkEvent", "Lost", "NoMemory", "NotFound", "NotYet",
-           "Raw", "Reaction", "Refused", "Sensor", "SensorSet", "Setting", "Severity", "Source", "Timeout", "Unreachable", "Unsupported", "discover", "open"]
+           "Raw", "Reaction", "Recorded", "Refused", "Sensor", "SensorSet", "Setting", "Severity", "Source", "Timeout", "Unreachable", "Unsupported", "discover", "open"]
 
 for _public in __all__:  # as users know them, also in tracebacks
     if isinstance(globals()[_public], type):

@@ -74,6 +74,18 @@ class NotFound(Error, LookupError):
     status = 3
 
 
+class End(Error):
+    """The recording is over: open it again to begin anew."""
+
+    status = 12
+
+
+class FileFailed(Error, OSError):
+    """A file cannot be read or written; the text says which, and why."""
+
+    status = 13
+
+
 class Closed(Error, ValueError):
     """The sensor was closed."""
 
@@ -85,7 +97,7 @@ class LibraryError(ImportError):
 
 
 _BY_STATUS: dict[int, type[Error]] = {
-    kind.status: kind for kind in (Timeout, BadArgument, Unreachable, Lost, NotYet, Busy, Refused, NoMemory, Unsupported)
+    kind.status: kind for kind in (Timeout, BadArgument, Unreachable, Lost, NotYet, Busy, Refused, NoMemory, Unsupported, End, FileFailed)
 }
 
 

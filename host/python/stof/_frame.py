@@ -167,6 +167,11 @@ class Frame:
         return self._raw.emulated == 2
 
     @property
+    def recorded_ns(self) -> int | None:
+        """When the frame of a recording was recorded, ns since 1970; None: it is of a sensor."""
+        return self._raw.recorded_ns or None
+
+    @property
     def settings_fingerprint(self) -> int:
         """Of the settings it was made with: another one, other settings. 0: unknown."""
         return self._raw.settings_fingerprint

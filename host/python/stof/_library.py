@@ -21,7 +21,8 @@ class Options(ctypes.Structure):
     _fields_ = [("struct_size", c_uint32), ("device_id", c_uint32), ("sensor", c_char_p), ("bind", c_char_p), ("port", c_uint16),
                 ("reserved", c_uint16), ("socket_buffer", c_uint32), ("max_pixels", c_uint32), ("max_age_ms", c_uint32),
                 ("signed_streams", c_uint32), ("keys", c_char_p), ("key_id", c_uint32), ("reserved_2", c_uint32), ("raw_pictures", c_uint32),
-                ("raw_every", c_uint16), ("raw_step", c_uint16), ("raw_part", c_uint16 * 4)]
+                ("raw_every", c_uint16), ("raw_step", c_uint16), ("raw_part", c_uint16 * 4), ("recording", c_char_p), ("line", c_char_p),
+                ("baud", c_uint32), ("pace_percent", c_uint32)]
 
 
 class Plane(ctypes.Structure):
@@ -61,7 +62,7 @@ class Frame(ctypes.Structure):
                 ("interval_width", Plane), ("source", Plane), ("cause", Plane), ("disparity", Plane), ("pmd", Plane * 4), ("left", Plane),
                 ("right", Plane), ("cloud", Plane), ("info", Info), ("calibration", Calibration), ("self", c_void_p),
                 ("settings_fingerprint", c_uint32), ("steady_frames", c_uint32), ("calibration_fingerprint", c_uint32),
-                ("reserved2", c_uint32), ("exposure_here_ns", c_int64)]
+                ("reserved2", c_uint32), ("exposure_here_ns", c_int64), ("recorded_ns", c_int64)]
 
 
 class PixelPoint(ctypes.Structure):
@@ -95,6 +96,17 @@ class Health(ctypes.Structure):
                 ("rate_hz", c_double), ("latency_s", c_double), ("longest_latency_s", c_double), ("frames_published", c_uint64),
                 ("packets_sent", c_uint64), ("subscribers", c_uint32), ("settings_revision", c_uint32),
                 *((name, c_uint64) for name in HEALTH_COUNTERS), ("age_ns", c_int64), ("silent", c_uint32), ("reserved", c_uint32)]
+
+
+class RecordOptions(ctypes.Structure):
+    _name_ = "stof_record_options"
+    _fields_ = [("struct_size", c_uint32), ("replace", c_uint32)]
+
+
+class Recorded(ctypes.Structure):
+    _name_ = "stof_recorded"
+    _fields_ = [("struct_size", c_uint32), ("recording", c_uint32), ("frames", c_uint64), ("frames_dropped", c_uint64), ("bytes", c_uint64),
+                ("failed", c_uint32), ("indexed", c_uint32)]
 
 
 class Event(ctypes.Structure):
@@ -152,7 +164,7 @@ class Found(ctypes.Structure):
 # The first ones never change: they lie in others and in arrays. The others begin with their size, or their
 # size is an argument, and may grow.
 FIXED = (Plane, Calibration, Info, CloudPoint, Point, PixelPoint)
-GROWING = (Options, Frame, Health, Event, Link, LinkEvent, Clock, Setting, Raw, Statistics, Answer, Found)
+GROWING = (Options, Frame, Health, Event, Link, LinkEvent, Clock, Setting, Raw, Statistics, Answer, Found, RecordOptions, Recorded)
 
 _SENSOR = c_void_p
 _FUNCTIONS = {
@@ -172,6 +184,9 @@ _FUNCTIONS = {
     "stof_next_raw": (c_int, [_SENSOR, POINTER(Raw)]),
     "stof_next_link_event": (c_int, [_SENSOR, POINTER(LinkEvent)]),
     "stof_link_condition_name": (c_char_p, [c_uint32]),
+    "stof_record": (c_int, [_SENSOR, c_char_p, POINTER(RecordOptions), c_char_p, c_size_t]),
+    "stof_record_end": (c_int, [_SENSOR, POINTER(Recorded), c_char_p, c_size_t]),
+    "stof_get_recorded": (c_int, [_SENSOR, POINTER(Recorded)]),
     "stof_get_clock": (c_int, [_SENSOR, POINTER(Clock)]),
     "stof_get_setting": (c_int, [_SENSOR, c_char_p, POINTER(Setting), c_char_p, c_size_t]),
     "stof_set_integer": (c_int, [_SENSOR, c_char_p, c_int64, c_char_p, c_size_t]),

@@ -6,14 +6,15 @@ import contextlib
 import ctypes
 import json
 import math
+import os
 import threading
 import time
 import typing
 
 from . import _library as c
-from ._errors import BadArgument, Busy, Closed, NotFound, Timeout, error_of
+from ._errors import BadArgument, Busy, Closed, End, NotFound, Timeout, error_of
 from ._frame import Frame, Pool, Raw
-from ._values import Answer, Clock, Document, Event, Found, Health, Link, LinkCondition, LinkEvent, Setting
+from ._values import Answer, Clock, Document, Event, Found, Health, Link, LinkCondition, LinkEvent, Recorded, Setting
 
 _OK, _TIMEOUT, _NOT_YET, _TOO_SMALL = 0, 1, 5, 7
 _RAW = {"left": 1, "right": 2, "pmd": 4}
@@ -173,7 +174,7 @@ class Sensor:
 
     def next(self, timeout: float = 5.0) -> Frame:
         """The next frame, also an incomplete one. Blocks for `timeout` seconds at most, 0 only looks. Call it, or iterate, at least
-        once a second: it keeps the subscription alive. Timeout, Lost, Busy, Closed, BadArgument, NoMemory."""
+        once a second: it keeps the subscription alive. Timeout, Lost, Busy, Closed, BadArgument, NoMemory; End: the recording is over."""
         left = _milliseconds(timeout)
         end = time.monotonic() + timeout
         with self._use(receiving=True) as handle:
@@ -211,17 +212,18 @@ class Sensor:
         return Frame(raw, kept.value, self._pool)
 
     def frames(self, timeout: float = 5.0) -> typing.Iterator[Frame]:
-        """Frames until the sensor is closed. Where none comes for `timeout` seconds: Timeout; else as next()."""
+        """Frames until the sensor is closed, or the recording is over. Where none comes for `timeout` seconds: Timeout; else as next()."""
         while not self._closed:
             try:
                 frame = self.next(timeout)
-            except Closed:
+            except (Closed, End):
                 return
             yield frame
             del frame  # its memory is the next one's, unless somebody holds it
 
     def fileno(self) -> int:
-        """For select and poll: readable when next(0) has something to do. So is it after due() seconds in any case."""
+        """For select and poll: readable when next(0) has something to do. So is it after due() seconds in any case. -1: a recording,
+        of which due() tells alone."""
         with self._use() as handle:
             return c.library.stof_fd(handle)
 
@@ -294,6 +296,34 @@ class Sensor:
             return None
         _check(status)
         return Clock.of(raw)
+
+    def record(self, file: str | os.PathLike[str], replace: bool = False) -> None:
+        """What is received from now on goes to `file` as well, an MCAP file (docs/RECORDING.md), until end_recording() or close().
+        Whoever waits for frames waits for no disk. replace: a file of that name is replaced. FileFailed: it is there, or cannot be made.
+        Busy: it is recorded already. Unsupported: of a recording. Closed, BadArgument."""
+        options = c.RecordOptions(struct_size=ctypes.sizeof(c.RecordOptions), replace=bool(replace))
+        why = ctypes.create_string_buffer(_LINE)
+        with self._use() as handle:
+            _check(c.library.stof_record(handle, os.fsencode(file), options, why, len(why)), why.value)
+
+    def end_recording(self) -> Recorded:
+        """Blocks until all that was received is written. A file without any frame is removed. NotYet: nothing is recorded.
+        FileFailed: the disk took less. Closed."""
+        raw = c.Recorded(struct_size=ctypes.sizeof(c.Recorded))
+        why = ctypes.create_string_buffer(_LINE)
+        with self._use() as handle:
+            _check(c.library.stof_record_end(handle, raw, why, len(why)), why.value)
+        return Recorded.of(raw)
+
+    def recorded(self) -> Recorded | None:
+        """How far the recording is, or what came of the last one; None: none was begun. Closed."""
+        raw = c.Recorded(struct_size=ctypes.sizeof(c.Recorded))
+        with self._use() as handle:
+            status = c.library.stof_get_recorded(handle, raw)
+        if status == _NOT_YET:
+            return None
+        _check(status)
+        return Recorded.of(raw)
 
     def setting(self, path: str) -> Setting:
         """One setting, such as "depth.max_range_mm", and what it takes. BadArgument: the sensor has none of that path; errors as get()."""
@@ -376,8 +406,9 @@ class Sensor:
 def open(address: str | None = None, *, serial: str | None = None, name: str | None = None,  # noqa: A001
          find_timeout: float = 2.5, addresses: typing.Iterable[str] = (), bind: str | None = None, port: int = 0, device_id: int = 0,
          signed_streams: bool = False, keys: str | None = None, key_id: int = 0, max_age_ms: int = 0, socket_buffer: int = 0,
-         max_pixels: int = 0, raw: typing.Iterable[str] = (), raw_every: int = 0) -> Sensor:
-    """Opens a sensor. Does not wait for it, but may block on a name server.
+         max_pixels: int = 0, raw: typing.Iterable[str] = (), raw_every: int = 0, recording: str | os.PathLike[str] | None = None,
+         pace: float = 0, line: str | None = None, baud: int = 0) -> Sensor:
+    """Opens a sensor, a recording or a serial line. Does not wait for it, but may block on a name server.
 
     address: "HOST" or "HOST:PORT" (7560 without). Instead of it: serial or name, for which discover() looks for `find_timeout`
     seconds, also at `addresses`; or none of them, to wait at `bind` (every IPv4 interface) and `port` (7560) for a sensor that was told to send here.
@@ -386,7 +417,10 @@ def open(address: str | None = None, *, serial: str | None = None, name: str | N
     own, "": none. key_id: only the sensor of this key; 0: any. max_age_ms: older frames are dropped and counted; 0: one period
     and 100 ms. socket_buffer: bytes asked of the system; 0: 4 MiB. max_pixels: of one image; 0: 2 Mi. raw: what the cameras gave as well, some of "left", "right" and "pmd", of exposures that have
     all of them, see Sensor.next_raw(); one subscriber at a time has it, of a paired sensor one with signed_streams. raw_every: of so many frames one; 0: each.
-    BadArgument, Unreachable, NotFound, NoMemory.
+    In the place of an address: recording, a file of Sensor.record() or `stof record`; pace: of it, 1: as fast as it was recorded, 2: twice
+    as fast, 0: a frame each time that one is asked for. Or line, "/dev/ttyUSB0", a serial line with serial.mode `stof` and serial.profile
+    `coarse` or `medium`; baud: of it, 0: 921,600.
+    BadArgument, Unreachable, NotFound, NoMemory; FileFailed: no recording.
     """
     if address is not None and (serial is not None or name is not None):
         raise BadArgument("an address and a serial number or name were given: give one of them")
@@ -396,6 +430,8 @@ def open(address: str | None = None, *, serial: str | None = None, name: str | N
         found = _find(serial, name, find_timeout, addresses)
         address = found.endpoint
         device_id = device_id or found.device_id
+    if not 0 <= pace <= 1000:  # also NaN
+        raise BadArgument(f"pace is {pace!r}: takes 0 to 1000")
     most = 2**32 - 1
     names = [raw] if isinstance(raw, str) else list(raw)
     if any(name not in _RAW for name in names):
@@ -407,8 +443,11 @@ def open(address: str | None = None, *, serial: str | None = None, name: str | N
                         max_age_ms=_integer(max_age_ms, most, "max_age_ms"),
                         socket_buffer=_integer(socket_buffer, most, "socket_buffer"),
                         max_pixels=_integer(max_pixels, most, "max_pixels"), raw_pictures=pictures | _RAW_COMPLETE if pictures else 0,
-                        raw_every=_integer(raw_every, 65535, "raw_every"))
+                        raw_every=_integer(raw_every, 65535, "raw_every"),
+                        recording=None if recording is None else os.fsencode(recording), line=_encoded(line, "the line"),
+                        baud=_integer(baud, most, "baud"), pace_percent=math.ceil(pace * 100))
     handle = ctypes.c_void_p()
     why = ctypes.create_string_buffer(_LINE)
     _check(c.library.stof_open(options, handle, why, len(why)), why.value)
-    return Sensor(handle, address or f"port {port or 7560}")
+    place = address or line or (f"port {port or 7560}" if recording is None else os.fspath(recording))
+    return Sensor(handle, place)

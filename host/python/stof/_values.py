@@ -190,6 +190,22 @@ class LinkEvent:
 
 
 @dataclasses.dataclass(frozen=True)
+class Recorded:
+    """A recording that is being written, or was."""
+
+    recording: bool  # it goes on
+    frames: int  # handed to the disk; at the end: in the file
+    frames_dropped: int  # the disk was too slow for them
+    bytes: int  # of the file, at the end; before it 0
+    failed: bool  # the disk took no more; what was whole before is kept
+    indexed: bool  # at the end; False: `stof recover` makes the index
+
+    @classmethod
+    def of(cls, raw: c.Recorded) -> Recorded:
+        return cls(raw.recording != 0, raw.frames, raw.frames_dropped, raw.bytes, raw.failed != 0, raw.indexed != 0)
+
+
+@dataclasses.dataclass(frozen=True)
 class Clock:
     """From the sensor's clock to time.monotonic_ns() of this machine: here = sensor + offset_ns."""
 

@@ -164,6 +164,7 @@ std::expected<void, Problem> Writer::flush() {
 std::expected<void, Problem> Writer::write_end() {
   Buffer end;
   append_summary(end, index_, position_, data_crc_.value());
+  end_bytes_ = end.size();
   return then(sink_->write(end), [this] { return sink_->sync(); });
 }
 

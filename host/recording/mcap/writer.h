@@ -50,7 +50,9 @@ class Writer {
   // whole records.
   bool rescue();
 
-  std::uint64_t position() const noexcept { return position_; }  // bytes written
+  // Bytes written without the index, and of the file with the one that was written last.
+  std::uint64_t position() const noexcept { return position_; }
+  std::uint64_t bytes() const noexcept { return position_ + end_bytes_; }
   const FileIndex& index() const noexcept { return index_; }
 
  private:
@@ -72,6 +74,7 @@ class Writer {
   ZstdCompressor compressor_;
   FileIndex index_;
   std::uint64_t position_ = 0;
+  std::uint64_t end_bytes_ = 0;
   Crc32 data_crc_;
   Buffer chunk_;  // records
   std::map<std::uint16_t, MessageIndex> chunk_index_;

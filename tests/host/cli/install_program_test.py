@@ -362,9 +362,12 @@ class Install(unittest.TestCase):
         self.assertFalse(self.kept.exists())
 
     def test_bad_words_are_one_line(self):
-        for words in ([], ["other.cal"], ["a", "b", "c"], ["--factory"], ["--factory", "a", "b"], ["--serial", "x"],
-                      ["a", "b", "--serial", "x"]):
-            self.refuse(2, "takes FILE SENSOR", *words)
+        for fact, words in (("takes FILE SENSOR", []), ("SENSOR is missing behind other.cal", ["other.cal"]), ("FILE is missing before a", ["a"]),
+                            ("nothing behind them", ["a", "b", "c"]), ("SENSOR is missing behind --factory", ["--factory"]),
+                            ("--factory takes SENSOR alone", ["--factory", "a", "b"]), ("FILE is missing", ["--serial", "x"]),
+                            ("takes FILE alone", ["a", "b", "--serial", "x"]), ("neither FILE nor SENSOR", ["--factory", "a", "--serial", "x"]),
+                            ("127.0.0.1:9 is no file, but other.cal is one", ["127.0.0.1:9", "other.cal"])):
+            self.refuse(2, fact, *words)
         self.refuse(1, "no answer within", "other.cal", "127.0.0.1:9", "--timeout", "0.05", "--patience", "0.2")
 
     def test_a_sensor_without_a_file_for_it_says_so(self):

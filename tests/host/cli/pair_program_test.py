@@ -191,7 +191,7 @@ class Pair(unittest.TestCase):
                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment)
 
     def listed(self, *words):
-        return json.loads(self.ask("unpair", self.address, "--list", *words))
+        return json.loads(self.ask("unpair", self.address, "--list", "--json", *words))
 
     def test_with_the_button_and_the_digits(self):
         self.start()
@@ -384,7 +384,7 @@ class Pair(unittest.TestCase):
             known.write_text(places, encoding="utf-8")
             # Nor is anything believed where none was proven, until one is named; from then on it is known.
             self.ask("config", proxy.address, "get", "name")  # which proves nothing of this place
-            self.refuse(1, "several sensors (1, 2)", "config", proxy.address, "set", "period_ms=90")
+            self.refuse(2, "several sensors (1, 2)", "config", proxy.address, "set", "period_ms=90")
             for words in (("unpair", proxy.address), ("view", proxy.address, "--signed", "--frames", 3)):
                 self.refuse(2, "several sensors (1, 2)", *words)
             self.assertIn("of sensor 2,", self.ask("config", proxy.address, "set", "period_ms=90", "--device", 2))
@@ -410,7 +410,7 @@ class Pair(unittest.TestCase):
         self.ask("pair", self.address, "--code", CODE)  # where it was proven once more may be paired
         with Proxy(other.address) as proxy:
             for words in (("config", proxy.address, "set", "period_ms=90"), ("config", proxy.address, "set", "period_ms=90", "--device", "1")):
-                self.refuse(1, "several sensors with number 1", *words)
+                self.refuse(2, "several sensors with number 1", *words)
             self.refuse(2, "several sensors with number 1", "view", proxy.address, "--signed", "--device", "1", "--frames", 3)
             self.refuse(1, "has none of your keys", "config", proxy.address, "set", "period_ms=90", "--key", keys[0])
             self.refuse(1, "no key of yours", "view", proxy.address, "--signed", "--frames", 3, "--key", keys[0])
@@ -438,22 +438,36 @@ class Pair(unittest.TestCase):
         bob = self.folder / "bob"
         self.ask("pair", self.address, "--code", CODE, "--role", "tune", "--name", "bob", "--keys", bob)
         keys = {key["name"]: key["id"] for key in self.listed()}
+        rows = [line.split() for line in self.ask("unpair", self.address, "--list").splitlines()]
+        self.assertEqual(rows[0], ["key", "role", "yours", "name"])
+        self.assertEqual([row[:2] for row in rows[1:]], [[key["id"], key["role"]] for key in self.listed()])
+        self.assertEqual(["yes" in row for row in rows[1:]], [True, False, False])
         self.refuse(1, "takes a key with role admin", "unpair", self.address, "--id", keys["bob"], "--keys", ann)
         self.ask("unpair", self.address, "--keys", ann)  # her own
         self.ask("unpair", self.address, "--id", keys["bob"])
         self.refuse(2, "there is no key", "unpair", self.address, "--id", keys["bob"])
+        self.refuse(1, "has none of your keys", "unpair", self.address, "--id", keys["bob"], "--keys", bob)
         self.refuse(1, "has none of your keys", "config", self.address, "set", "period_ms=90", "--keys", bob)
         self.assertEqual(len(self.listed()), 1)
         self.ask("unpair", self.address)
         self.ask("config", self.address, "set", "depth.max_range_mm=5000")  # unpaired
         self.refuse(1, "takes a key", "config", self.address, "set", "period_ms=90")
+        self.refuse(2, "nothing was forgotten", "unpair", "--forget", "--device", "1", "--id", "0000000b", "--keys", bob)
         self.assertIn("1 keys of sensor", self.ask("unpair", "--forget", "--device", "1", "--keys", bob))
+        self.refuse(2, "nothing was forgotten", "unpair", "--forget", "--device", "1", "--keys", bob)
 
     def test_bad_command_lines(self):
         self.refuse(2, "give a sensor", "pair")
         self.refuse(2, "give a sensor", "unpair", "127.0.0.1:1", "--serial", "/dev/null", "--id", "00000001")
         self.refuse(2, "--role", "pair", "127.0.0.1:1", "--role", "king")
-        self.refuse(1, "has no key of this sensor", "unpair", "127.0.0.1:1")
+        # Nobody is asked: a key that the user has not, words that are no id, and what goes not together.
+        self.refuse(2, "has no key of this sensor", "unpair", "127.0.0.1:1")
+        self.refuse(2, "has no key of this sensor", "pair", "127.0.0.1:1", "--renew")
+        self.refuse(2, "has no key 00000007", "unpair", "127.0.0.1:1", "--key", "00000007")
+        self.refuse(2, "--id: takes the 8 hexadecimal digits", "unpair", "127.0.0.1:1", "--id", "7")
+        self.refuse(2, "excludes", "unpair", "127.0.0.1:1", "--list", "--forget")
+        self.refuse(1, "no answer", "unpair", "127.0.0.1:1", "--list", timeout_s=0.05)
+        self.refuse(1, "no answer", "pair", "127.0.0.1:1", timeout_s=0.05)
         ended = subprocess.run([*STOFD, "--label", self.folder / "none"], capture_output=True, text=True, timeout=60)
         self.assertEqual(ended.returncode, 2)
         self.assertIn("32 hexadecimal digits", ended.stderr)

@@ -10,7 +10,7 @@
 #include "hal/framing/cobs.h"
 #include "host/cli/config/config.h"
 #include "host/cli/failure.h"
-#include "host/cli/serial_transport.h"
+#include "host/client/serial/serial_line.h"
 #include "tests/host/cli/sensor_stub.h"
 #include "tests/support/pty.h"
 
@@ -74,7 +74,7 @@ TEST(ConfigOverSerial, ReadsAndChangesSettings) {
     GTEST_SKIP() << "this system makes no pseudo-terminals";
   }
   const auto run = [&sensor](const std::vector<std::string>& words) {
-    auto line = open_serial_transport(sensor.name(), 921'600);
+    auto line = client::open_serial_transport(sensor.name(), 921'600);
     EXPECT_TRUE(line) << (line ? "" : line.error().message);
     return config_over(std::move(*line), words, {{.timeout_s = 5}});
   };
@@ -87,7 +87,7 @@ TEST(ConfigOverSerial, ReadsAndChangesSettings) {
 
 TEST(ConfigOverSerial, SaysWhatIsNoLine) {
   for (const char* const name : {"/dev/none", "/dev/null"}) {
-    const auto line = open_serial_transport(name, 921'600);
+    const auto line = client::open_serial_transport(name, 921'600);
     ASSERT_FALSE(line);
     EXPECT_EQ(line.error().message.find(name), 0U) << line.error().message;
     EXPECT_EQ(line.error().message.find('\n'), std::string::npos);

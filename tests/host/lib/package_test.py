@@ -113,6 +113,12 @@ class Package(unittest.TestCase):
         environment = {**ENVIRONMENT, "PYTHONPATH": str(package), "STOF_LIBRARY": str(self.library / "libstof.so")}
         self.assert_sees_what_is_ahead(run(python, "-B", self.examples / "obstacle.py", self.endpoint, LOOKS, env=environment))
 
+    def test_a_client_records_and_reads_it_again(self):
+        file = self.folder / "recorded.mcap"
+        text = run(self.build_by_cmake() / "record", self.endpoint, file, FRAMES, env={**ENVIRONMENT, "LD_LIBRARY_PATH": str(self.library)})
+        self.assertEqual(len(re.findall(r"^frame \d+: 160x120, ", text, re.MULTILINE)), FRAMES, text)
+        self.assertIn(f"{FRAMES} frames in {file}", text)
+
     def test_a_c_project_finds_it_by_pkg_config(self):
         if not shutil.which("pkg-config"):
             self.skipTest("no pkg-config: install it")
@@ -131,13 +137,19 @@ class Package(unittest.TestCase):
         if not shutil.which("pkg-config"):
             self.skipTest("no pkg-config: install it")
         found = {**ENVIRONMENT, "PKG_CONFIG_PATH": str(self.library / "pkgconfig")}
-        self.assertEqual(run("pkg-config", "--print-requires-private", "stof_static", env=found).strip(), "libsodium")
+        self.assertEqual(run("pkg-config", "--print-requires-private", "stof_static", env=found).split(), ["libsodium", "libzstd"])
         flags = run("pkg-config", "--static", "--cflags", "--libs", "stof_static", env=found).split()
         program = self.folder / "watch_static"
         run(ENVIRONMENT["CC"], *ENVIRONMENT["CFLAGS"].split(), self.examples / "watch.c", "-o", program, *flags)
         self.assertNotIn("libstof", run("readelf", "-d", program))
         text = run(program, self.endpoint, FRAMES)  # the folder of the shared one is not named
         self.assertGreaterEqual(len(re.findall(r"^frame \d+: \d+\.\d+ m straight ahead", text, re.MULTILINE)), FRAMES)
+
+    def test_libzstd_is_in_the_shared_library_and_its_names_are_local(self):
+        zstd = re.compile(r" ([A-TV-Z]) (ZSTD_\w+|HUF_\w+|FSE_\w+)(?:@\w+)?$", re.MULTILINE)
+        self.assertEqual(zstd.findall(run("nm", "-D", self.library / "libstof.so")), [])  # not given
+        inside = set(re.findall(r" t (ZSTD_\w+)$", run("nm", self.library / "libstof.so"), re.MULTILINE))
+        self.assertLessEqual({"ZSTD_compressCCtx", "ZSTD_freeCCtx"}, inside)
 
     def test_libsodium_is_in_the_shared_library_and_its_names_are_local(self):
         sodium = re.compile(r" (\w) ((?:crypto|sodium|randombytes)_\w+)$", re.MULTILINE)
@@ -151,7 +163,7 @@ class Package(unittest.TestCase):
     def test_the_static_library_is_whole(self):
         program = self.folder / "static"
         run(ENVIRONMENT["CC"], *ENVIRONMENT["CFLAGS"].split(), f"-I{self.prefix}/include", self.examples / "watch.c",
-            "-o", program, self.library / "libstof.a", "-lsodium", "-lstdc++", "-lm", "-pthread")
+            "-o", program, self.library / "libstof.a", "-lsodium", "-lzstd", "-lstdc++", "-lm", "-pthread")
         self.assertIn("straight ahead", self.run_example(program))
 
     def test_the_client_of_an_autopilot_hears_the_nearest_obstacle(self):

@@ -112,8 +112,8 @@ class Library(unittest.TestCase):
         import stof
         from stof._errors import error_of
         kinds = {1: stof.Timeout, 2: stof.BadArgument, 3: stof.Unreachable, 4: stof.Lost, 5: stof.NotYet, 6: stof.Busy, 8: stof.Refused,
-                 9: stof.NoMemory, 10: stof.Unsupported}
-        for status in range(1, 13):
+                 9: stof.NoMemory, 10: stof.Unsupported, 12: stof.End, 13: stof.FileFailed}
+        for status in range(1, 15):
             error = error_of(status, "text")
             self.assertIs(type(error), kinds.get(status, stof.Error))
             self.assertEqual((str(error), error.status), ("text", status))

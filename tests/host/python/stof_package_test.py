@@ -251,6 +251,31 @@ class AllStreams(WithSensor):
         self.assertEqual(len(frame.calibration.r), 9)
         self.assertIn(stof.SensorSet.PMD, frame.info.sensors)
 
+    def test_what_is_recorded_is_read_again(self):
+        with tempfile.TemporaryDirectory(prefix="stof_") as folder, self.open() as sensor:
+            file = pathlib.Path(folder) / "a.mcap"
+            self.assertIsNone(sensor.recorded())
+            sensor.record(file)
+            self.one_line(stof.Busy, sensor.record, file)
+            seen = {frame.number: frame.depth.copy() for frame in (sensor.next(LONG_S) for _ in range(5)) if frame.complete}
+            told = sensor.end_recording()
+            self.assertEqual((told.recording, told.frames, told.bytes, told.indexed), (False, 5, file.stat().st_size, True))
+            self.assertEqual(sensor.recorded(), told)
+            self.one_line(stof.FileFailed, sensor.record, file, holds=str(file))
+            with stof.open(recording=file) as recording:
+                frames = list(recording)
+                with self.assertRaises(stof.End):
+                    recording.next(0)
+                self.assertEqual(recording.fileno(), -1)
+                self.one_line(stof.Unsupported, recording.get)
+            self.assertEqual(len(frames), 5)
+            for frame in frames:
+                self.assertTrue(frame.recorded and frame.recorded_ns)
+                self.assertEqual((frame.left.shape, frame.disparity.shape, len(frame.pmd)), ((48, 64), (48, 64), 4))
+                if frame.number in seen:
+                    numpy.testing.assert_array_equal(frame.depth, seen[frame.number])
+            self.one_line(stof.FileFailed, stof.open, recording=pathlib.Path(folder) / "absent", holds="absent")
+
 
 class Errors(WithSensor):
     def test_wrong_addresses_are_refused_in_one_line(self):

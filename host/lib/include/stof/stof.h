@@ -1,5 +1,6 @@
 /* libstof: frames, health and settings of a stof depth sensor. C99 and later; C++ programs may
  * prefer stof/stof.hpp, a thin wrapper of this header.
+ * A recording (stof record, stof_record()) and a serial line are opened and read as a sensor is.
  *
  * Threads. A stof_sensor belongs to one thread at a time, except where a function says otherwise;
  * different sensors are independent. stof_discover() and all functions that return names may be
@@ -55,7 +56,9 @@ typedef enum stof_status {
   STOF_REFUSED = 8,      /* the sensor refused the settings; the text says why */
   STOF_NO_MEMORY = 9,
   STOF_UNSUPPORTED = 10, /* the sensor or this library cannot do that */
-  STOF_INTERNAL = 11     /* a fault of this library */
+  STOF_INTERNAL = 11,    /* a fault of this library */
+  STOF_END = 12,         /* the recording is over: open it again to begin anew */
+  STOF_FILE = 13         /* a file cannot be read or written */
 } stof_status;
 
 /* A few words such as "timeout"; never NULL, also of numbers that have no name. */
@@ -97,10 +100,18 @@ typedef struct stof_options {
   uint16_t raw_every;    /* one exposure of so many frames; 0: each */
   uint16_t raw_step;     /* one column and row of so many, at most 255; 0: each */
   uint16_t raw_part[4];  /* column, row, width, height of the pair's pictures; 0: all that follow */
+  /* In the place of `sensor`, one of these two: */
+  const char* recording; /* a file of stof_record() or `stof record`, see "Recordings" below */
+  const char* line; /* "/dev/ttyUSB0": the sensor at the other end of a serial line, see "Serial
+                       lines" below */
+  uint32_t baud;    /* of the line; 0: 921,600 */
+  uint32_t pace_percent; /* of the recording; 0: a frame each time that one is asked for; 100: as
+                            fast as it was recorded, 200: twice as fast */
 } stof_options;
 
 /* Does not wait for the sensor, but may block on a name server. `why` (may be NULL) gets one line
- * for a person when it fails. STOF_BAD_ARGUMENT, STOF_UNREACHABLE, STOF_NO_MEMORY. */
+ * for a person when it fails. STOF_BAD_ARGUMENT, STOF_UNREACHABLE, STOF_NO_MEMORY; STOF_FILE: no
+ * recording. */
 STOF_API stof_status stof_open(const stof_options* options, stof_sensor** sensor, char* why,
                                size_t why_size);
 /* Ends the subscription and the sensor's thread. NULL is nothing. Not from a callback. */
@@ -245,11 +256,15 @@ typedef struct stof_frame {
   /* exposure_middle_ns by CLOCK_MONOTONIC of this machine, as stof_get_clock() maps it; 0: unknown,
    * or the library is older than this field. */
   int64_t exposure_here_ns;
+  /* Of a recording: when the frame was recorded, ns since 1970; 0: of a sensor, or the library is
+   * older than this field. */
+  int64_t recorded_ns;
 } stof_frame;
 
 /* The next frame, also an incomplete one (missing_packets). Blocks for timeout_ms at most, 0 only
  * looks. Call it at least once a second: it keeps the subscription alive. frame->struct_size is
- * set by you. STOF_TIMEOUT, STOF_LOST, STOF_BUSY, STOF_BAD_ARGUMENT, STOF_NO_MEMORY. */
+ * set by you. STOF_TIMEOUT, STOF_LOST, STOF_BUSY, STOF_BAD_ARGUMENT, STOF_NO_MEMORY; STOF_END: the
+ * recording is over. */
 STOF_API stof_status stof_next(stof_sensor* sensor, int timeout_ms, stof_frame* frame);
 
 /* Keeps a frame beyond the next one, without a copy: its images move from the sensor to *kept, and
@@ -270,7 +285,8 @@ STOF_API void stof_release(stof_kept* kept);
  * nothing. */
 STOF_API stof_kept* stof_hold(stof_kept* kept);
 
-/* For poll(): readable when stof_next(sensor, 0, ...) has something to do. -1: no sensor. */
+/* For poll(): readable when stof_next(sensor, 0, ...) has something to do. -1, which poll() passes
+ * over: no sensor, or a recording, whose frames stof_due_ms() tells alone. */
 STOF_API int stof_fd(const stof_sensor* sensor);
 /* After so many milliseconds it has something to do in any case; 0: now. */
 STOF_API int stof_due_ms(const stof_sensor* sensor);
@@ -348,6 +364,60 @@ typedef struct stof_raw {
  * STOF_REFUSED: they take a key; STOF_NOT_YET: another subscriber has them, and this one asks on.
  * STOF_BUSY, STOF_BAD_ARGUMENT. */
 STOF_API stof_status stof_next_raw(stof_sensor* sensor, stof_raw* raw);
+
+/* ---- Recordings ---------------------------------------------------------------------------- */
+
+/* A recording is an MCAP file (docs/RECORDING.md) of a sensor's frames, health, events, calibration
+ * and settings. stof_open() with stof_options.recording reads one, also one that was cut; what of
+ * it is damaged is left out and counted as stof_statistics.packets_refused. stof_next() then gives
+ * frame after frame, each also where the program is slow; stof_frame.emulated is 2, recorded_ns
+ * says when it was, missing pixels are missing as they were, and a cloud is not in it. Health,
+ * events and restarts come with the frame that they belong to, ages count in the recording's time,
+ * and nothing is silent. STOF_UNSUPPORTED: settings, clock, raw pictures (stofd --replay takes
+ * those). */
+
+typedef struct stof_record_options {
+  uint32_t struct_size;
+  uint32_t replace; /* 1: a file of that name is replaced; 0: it is refused */
+} stof_record_options;
+
+typedef struct stof_recorded {
+  uint32_t struct_size;
+  uint32_t recording;      /* 1: it goes on */
+  uint64_t frames;         /* handed to the disk; at the end: in the file */
+  uint64_t frames_dropped; /* the disk was too slow for them */
+  uint64_t bytes;          /* of the file, at the end; before it 0 */
+  uint32_t failed;         /* 1: the disk took no more; what was whole before is kept */
+  uint32_t indexed;        /* at the end: 1; 0: `stof recover` makes the index */
+} stof_recorded;
+
+/* From now on what stof_next(), or the sensor's thread, receives goes to `file`, by custom
+ * NAME.mcap, too: written by a thread of its own, on the disk after a second, so that a slow disk
+ * keeps no receiver waiting. Settings are asked for beside it. Raw pictures are not in it: `stof
+ * record --raw`. options NULL: none. `why` (may be NULL) gets one line when it fails. From any
+ * thread. STOF_FILE: the file is there, or cannot be made; STOF_BUSY: it is recorded already;
+ * STOF_UNSUPPORTED: of a recording. STOF_BAD_ARGUMENT, STOF_NO_MEMORY. */
+STOF_API stof_status stof_record(stof_sensor* sensor, const char* file,
+                                 const stof_record_options* options, char* why, size_t why_size);
+/* Ends it: blocks until all that was received is written. A file without any frame is removed.
+ * stof_close() does the same. `recorded` and `why` may be NULL. From any thread.
+ * STOF_NOT_YET: nothing is recorded. STOF_FILE: the disk took less than that, `why` says why. */
+STOF_API stof_status stof_record_end(stof_sensor* sensor, stof_recorded* recorded, char* why,
+                                     size_t why_size);
+/* How far it is; after its end what came of the last one. From any thread. STOF_NOT_YET: none was
+ * begun. */
+STOF_API stof_status stof_get_recorded(stof_sensor* sensor, stof_recorded* recorded);
+
+/* ---- Serial lines --------------------------------------------------------------------------- */
+
+/* stof_options.line: what the sensor's settings serial.* send there (docs/WIRE.md, "Serial lines"),
+ * where serial.mode is `stof`, and serial.profile `coarse` or `medium`: small depth maps, whose
+ * stof_calibration says in what unit they are, health and events. Of the profile `sectors` health
+ * and events come, and no frame. There is no subscription, and nothing is signed: whoever holds the
+ * cable is the sensor. Settings are asked over the same line, without keys; a profile is changed
+ * so. STOF_LOST: the line failed, as where it was pulled out. STOF_BAD_ARGUMENT of stof_open():
+ * with `sensor`, `recording`, signed_streams, key_id or raw_pictures; STOF_UNREACHABLE: no such
+ * line. */
 
 /* ---- Health and events --------------------------------------------------------------------- */
 
@@ -527,8 +597,10 @@ typedef struct stof_statistics { /* since stof_open() */
 
 /* From any thread. */
 STOF_API stof_status stof_get_statistics(stof_sensor* sensor, stof_statistics* statistics);
-/* One line: what to change on this machine to lose less; empty: nothing. Returns its length, which
- * may exceed what fitted. From any thread. */
+/* One line: what to change on this machine to lose less, or that the sensor signs streams as
+ * another release does; empty: nothing. Returns its length, which may exceed what fitted. From any
+ * thread.
+ */
 STOF_API size_t stof_advice(stof_sensor* sensor, char* text, size_t size);
 
 /* ---- Settings ------------------------------------------------------------------------------ */

@@ -32,6 +32,7 @@ using PixelPoint = stof_pixel_point;
 using Setting = stof_setting;
 using Statistics = stof_statistics;
 using Found = stof_found;
+using Recorded = stof_recorded;
 
 inline std::string text(stof_status status) { return stof_status_text(status); }
 
@@ -233,7 +234,8 @@ class Sensor {
     return *this;
   }
 
-  // None: `status`, if given, says why: STOF_TIMEOUT: call again; STOF_LOST: open again.
+  // None: `status`, if given, says why: STOF_TIMEOUT: call again; STOF_LOST: open again; STOF_END:
+  // the recording is over.
   std::optional<Frame> next(std::chrono::milliseconds timeout, stof_status* status = nullptr) {
     Frame frame;
     const stof_status got =
@@ -324,6 +326,28 @@ class Sensor {
     return status;
   }
   stof_status stop() { return stof_stop(sensor_.get()); }
+
+  // What is received from now on goes to `file`, until end_recording() or the end of this. `why`, if
+  // given, says why not.
+  stof_status record(const std::string& file, std::string* why = nullptr, bool replace = false) {
+    stof_record_options options = STOF_INIT(stof_record_options);
+    options.replace = replace ? 1 : 0;
+    return with_line(why, [&](char* line, std::size_t size) {
+      return stof_record(sensor_.get(), file.c_str(), &options, line, size);
+    });
+  }
+  // Blocks until all is written.
+  stof_status end_recording(Recorded* recorded = nullptr, std::string* why = nullptr) {
+    return with_line(why, [&](char* line, std::size_t size) {
+      return stof_record_end(sensor_.get(), recorded, line, size);
+    });
+  }
+  // How far it is, or what came of the last one.
+  std::optional<Recorded> recorded() const {
+    Recorded recorded = STOF_INIT(stof_recorded);
+    return stof_get_recorded(sensor_.get(), &recorded) == STOF_OK ? std::optional<Recorded>(recorded)
+                                                                 : std::nullopt;
+  }
 
   // Blocks for about a second when nobody answers.
   Answer settings(stof_operation operation, stof_document document = STOF_ACTIVE,

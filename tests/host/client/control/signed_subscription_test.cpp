@@ -1,9 +1,12 @@
+#include <algorithm>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "firmware/control/request_handler.h"
+#include "firmware/wire/keys/signed_packet.h"
 #include "host/client/control/subscription.h"
 #include "host/client/session/stream_verifier.h"
 #include "tests/firmware/control/requests.h"
@@ -251,6 +254,50 @@ TEST_F(SignedSubscription, AsksForANewKeyAtOnceAndOnceASecond) {
   EXPECT_EQ(subscription.stream_key().number, second.number + 2);
   EXPECT_EQ(subscription.stream_key(), sensors_key());
   EXPECT_EQ(subscription.key_asked(), now_);
+}
+
+// As a sensor of another release answers, which makes tags in another way.
+Bytes with_tags(const Bytes& answer, std::uint8_t tags, const wire::Key& key) {
+  constexpr std::size_t kTagsAt = 4;  // of the stream key
+  const auto packet = wire::parse_packet(answer);
+  if (!packet || packet->header.type != wire::PacketType::kSignedAnswer) {
+    return answer;
+  }
+  const auto view = wire::open_signed(*packet, answer);
+  EXPECT_TRUE(view);
+  wire::DatagramBuffer buffer{};
+  const auto space = wire::signed_space(buffer);
+  std::ranges::copy(view->payload, space.begin());
+  space[wire::kSubscribedBytes + kTagsAt] = std::byte{tags};
+  const auto sealed =
+      wire::seal_signed(packet->header, view->fields, view->payload.size(), key.secret, buffer);
+  return {sealed.begin(), sealed.end()};
+}
+
+TEST_F(SignedSubscription, SaysThatTheSensorSignsAsAnotherReleaseUntilItIsUpdated) {
+  for (const std::uint8_t tags : {std::uint8_t{0}, std::uint8_t{2}}) {
+    Subscription subscription(with({key_}), 5);
+    int asked = 0;
+    for (int i = 0; i < 40; ++i, now_ += 100ms) {
+      const Bytes answer = answer_due(subscription);
+      if (!answer.empty()) {
+        ++asked;
+        EXPECT_TRUE(subscription.take(with_tags(answer, tags, key_), now_));
+      }
+    }
+    EXPECT_EQ(subscription.state(), State::kOtherTags);
+    EXPECT_EQ(subscription.other_tags(), tags);
+    EXPECT_EQ(subscription.stream_key().number, 0U) << "nothing is verified with it";
+    EXPECT_LE(asked, 8) << "once a second";
+    const std::string text = other_tags_text(subscription.other_tags());
+    EXPECT_NE(text.find(tags == 0 ? "update the sensor" : "update this program"), std::string::npos)
+        << text;
+    now_ += 1s;
+    talk(subscription);
+    EXPECT_EQ(subscription.state(), State::kActive);
+    EXPECT_EQ(subscription.stream_key(), sensors_key());
+    start(8 + tags);  // without its subscribers
+  }
 }
 
 TEST_F(SignedSubscription, LeavesWithASignature) {

@@ -1,19 +1,17 @@
-#include "host/cli/recording/session_recording.h"
+#include "host/recording/session_recording.h"
 
 #include <utility>
 
 #include "firmware/wire/frame/raw_packets.h"
-#include "host/cli/sensor_text.h"
+#include "host/client/value_names.h"
 
-namespace stof::host {
+namespace stof::recording {
 
-SessionRecording::SessionRecording(recording::Recorder& recorder, const ReceiveOptions& receive,
-                                   Options options, SensorDocuments documents)
+SessionRecording::SessionRecording(Recorder& recorder, Options options, SensorDocuments documents)
     : recorder_(recorder),
-      receive_(receive),
       options_(std::move(options)),
       documents_(std::move(documents)),
-      watch_(receive, options_.raw) {}
+      watch_(options_.read, options_.raw) {}
 
 void SessionRecording::take(const client::Frame& frame, const std::string& place) {
   const std::uint64_t time = clock_.at(frame.last_packet);
@@ -24,15 +22,15 @@ void SessionRecording::take(const client::Frame& frame, const std::string& place
     raw_begun_ = false;
     put_sensor(frame, place, time);
   }
-  recording::TopicMessages messages;
+  TopicMessages messages;
   if (frame.calibration && frame.calibration != calibration_) {
     calibration_ = frame.calibration;
-    recording::append_calibration(messages, frame, time);
+    append_calibration(messages, frame, time);
   }
   if (frame.info) {
     watch_.note(frame.info->settings_fingerprint, frame.info->calibration_fingerprint);
   }
-  recording::append_frame(messages, frame, time);
+  append_frame(messages, frame, time);
   if (recorder_.put(std::move(messages))) {
     ++frames_;
   } else if (!recorder_.failed()) {
@@ -50,8 +48,8 @@ void SessionRecording::take(const client::RawExposure& exposure) {
   if (!counts(exposure)) {
     return;
   }
-  recording::TopicMessages messages;
-  recording::append_raw(messages, exposure, clock_.at(exposure.last_packet));
+  TopicMessages messages;
+  append_raw(messages, exposure, clock_.at(exposure.last_packet));
   if (recorder_.put(std::move(messages))) {
     ++exposures_;
     lost_pictures_ += exposure.complete() ? 0U : 1U;
@@ -61,8 +59,8 @@ void SessionRecording::take(const client::RawExposure& exposure) {
 }
 
 void SessionRecording::take(const wire::EventReport& event) {
-  recording::TopicMessages messages;
-  recording::append_event(messages, *origin_, event, clock_.now());
+  TopicMessages messages;
+  append_event(messages, *origin_, event, clock_.now());
   recorder_.put(std::move(messages));
 }
 
@@ -70,8 +68,8 @@ void SessionRecording::take(const std::optional<wire::HealthReport>& health) {
   take_documents(false);
   if (health && health->uptime_ms != uptime_ms_) {
     uptime_ms_ = health->uptime_ms;
-    recording::TopicMessages messages;
-    recording::append_health(messages, *origin_, *health, clock_.now());
+    TopicMessages messages;
+    append_health(messages, *origin_, *health, clock_.now());
     recorder_.put(std::move(messages));
   }
 }
@@ -91,15 +89,14 @@ void SessionRecording::take_documents(bool wait) {
 }
 
 void SessionRecording::put_settings(const std::string& document, std::uint64_t time) {
-  recording::TopicMessages messages;
-  recording::append_settings(messages, document, time);
+  TopicMessages messages;
+  append_settings(messages, document, time);
   recorder_.put(std::move(messages));
 }
 
 void SessionRecording::put_calibration(const std::string& file, std::uint64_t time) {
-  recording::OwnedAttachment attachment{.name = recording::kCalibrationAttachment,
-                                        .media_type = "application/octet-stream",
-                                        .log_time = time};
+  OwnedAttachment attachment{
+      .name = kCalibrationAttachment, .media_type = "application/octet-stream", .log_time = time};
   mcap::append_bytes(attachment.data, mcap::bytes_of(file));
   recorder_.put(std::move(attachment));
 }
@@ -108,25 +105,24 @@ void SessionRecording::put_calibration(const std::string& file, std::uint64_t ti
 void SessionRecording::put_sensor(const client::Frame& frame, const std::string& place,
                                   std::uint64_t time) {
   mcap::Metadata metadata{
-      .name = recording::kSensorMetadata,
+      .name = kSensorMetadata,
       .entries = {{"program", options_.program},
                   {"device_id", std::to_string(frame.origin.device_id)},
                   {"session_id", std::to_string(frame.origin.session_id)},
-                  {"sensor", receive_.sensor.empty() ? "sends here" : receive_.sensor},
+                  {"sensor", options_.sensor},
                   {"place", place},
-                  {"signed", receive_.signed_streams ? "yes" : "no"},
-                  {"sensor_clock", clock_text(frame.stamp.clock)},
+                  {"signed", options_.is_signed ? "yes" : "no"},
+                  {"sensor_clock", client::clock_text(frame.stamp.clock)},
                   {"log_time",
                    "wall clock of the recording computer at the start, which goes on "
                    "by its monotonic clock"},
                   {"settings", documents_.settings.empty()
                                    ? documents_.no_settings
-                                   : std::string("attachment ") + recording::kSettingsAttachment}}};
+                                   : std::string("attachment ") + kSettingsAttachment}}};
   if (options_.raw) {
-    metadata.entries["calibration"] =
-        documents_.calibration.empty()
-            ? documents_.no_calibration
-            : std::string("attachment ") + recording::kCalibrationAttachment;
+    metadata.entries["calibration"] = documents_.calibration.empty()
+                                          ? documents_.no_calibration
+                                          : std::string("attachment ") + kCalibrationAttachment;
   }
   recorder_.put(std::move(metadata));
   watch_.know(documents_);
@@ -135,8 +131,8 @@ void SessionRecording::put_sensor(const client::Frame& frame, const std::string&
   }
   if (!documents_.settings.empty()) {
     put_settings(documents_.settings, time);
-    recording::OwnedAttachment attachment{
-        .name = recording::kSettingsAttachment, .media_type = "application/json", .log_time = time};
+    OwnedAttachment attachment{
+        .name = kSettingsAttachment, .media_type = "application/json", .log_time = time};
     mcap::append_bytes(attachment.data, mcap::bytes_of(documents_.settings));
     recorder_.put(std::move(attachment));
   }
@@ -144,4 +140,4 @@ void SessionRecording::put_sensor(const client::Frame& frame, const std::string&
                 .no_calibration = "of an earlier session: see its attachment"};
 }
 
-}  // namespace stof::host
+}  // namespace stof::recording

@@ -4,12 +4,11 @@
 #include <optional>
 #include <string>
 
-#include "host/cli/receive.h"
-#include "host/cli/recording/sensor_documents.h"
 #include "host/client/raw/raw_exposure.h"
 #include "host/recording/recorder.h"
+#include "host/recording/sensor_documents.h"
 
-namespace stof::host {
+namespace stof::recording {
 
 // What one receiver gets, handed to a recorder as it comes: frames, what the sensor says beside
 // them, and its settings and calibration, which are read again as they change. For one thread,
@@ -17,13 +16,15 @@ namespace stof::host {
 class SessionRecording {
  public:
   struct Options {
-    std::string program{};  // name and version, for the file
-    bool raw = false;       // raw exposures, too
+    std::string program{};   // name and version, for the file
+    std::string sensor{};    // as its user named it, for the file
+    bool is_signed = false;  // only what the sensor signs is received
+    bool raw = false;        // raw exposures, too
+    ReadDocuments read{};    // none: nobody can be asked
   };
-  // documents: of the sensor now; empty ones are read when the first frame has come. receive, and
-  // the recorder, outlive it.
-  SessionRecording(recording::Recorder& recorder, const ReceiveOptions& receive, Options options,
-                   SensorDocuments documents);
+  // documents: of the sensor now; empty ones are read when the first frame has come. The recorder
+  // outlives it.
+  SessionRecording(Recorder& recorder, Options options, SensorDocuments documents);
 
   // place: where the receiver has it from.
   void take(const client::Frame& frame, const std::string& place);
@@ -49,12 +50,11 @@ class SessionRecording {
   void put_calibration(const std::string& file, std::uint64_t time);
   void put_sensor(const client::Frame& frame, const std::string& place, std::uint64_t time);
 
-  recording::Recorder& recorder_;
-  const ReceiveOptions& receive_;
+  Recorder& recorder_;
   Options options_;
   SensorDocuments documents_;
   DocumentWatch watch_;
-  recording::LogClock clock_;
+  LogClock clock_;
   std::optional<wire::Origin> origin_;  // of the session that is recorded
   std::optional<wire::CalibrationPacket> calibration_;
   std::optional<std::uint64_t> uptime_ms_;  // of the health that was recorded last
@@ -65,4 +65,4 @@ class SessionRecording {
   std::uint64_t dropped_ = 0;
 };
 
-}  // namespace stof::host
+}  // namespace stof::recording

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "host/client/control/control_client.h"
+
+namespace stof::recording {
+
+// What a recording holds of a sensor beside what it sends: settings, and its calibration file.
+struct SensorDocuments {
+  std::string settings{};        // the document `active`; empty: see the next
+  std::string no_settings{};     // why
+  std::string calibration{};     // the file; empty: not asked for, or see the next
+  std::string no_calibration{};  // why
+};
+
+// Blocks for as long as the answers take, a few seconds where there are none.
+SensorDocuments read_documents(client::ControlClient& sensor, bool calibration);
+// The same of whoever is recorded, from any thread; the calibration's file, too, where it is true.
+using ReadDocuments = std::function<SensorDocuments(bool calibration)>;
+
+// Reads them again, beside whoever receives, each time a frame was made with others. For one
+// thread.
+class DocumentWatch {
+ public:
+  // read: none: nobody can be asked. calibration: its file is read, too.
+  DocumentWatch(ReadDocuments read, bool calibration)
+      : read_(std::move(read)), calibration_(calibration) {}
+
+  // What there is already.
+  void know(const SensorDocuments& documents);
+  // A frame was made with these; 0: not told.
+  void note(std::uint32_t settings, std::uint32_t calibration);
+  // What came since the last call and is not known yet, with empty texts for the rest. wait: until
+  // what is being read has come.
+  std::optional<SensorDocuments> take(bool wait = false);
+
+ private:
+  ReadDocuments read_;
+  bool calibration_;
+  std::set<std::uint32_t> known_settings_;  // fingerprints, and those that nobody has any more
+  std::set<std::uint32_t> known_calibrations_;
+  std::uint32_t wanted_settings_ = 0;
+  std::uint32_t wanted_calibration_ = 0;
+  int tries_ = 0;  // for these, without an answer
+  std::future<SensorDocuments> reading_;
+};
+
+}  // namespace stof::recording
