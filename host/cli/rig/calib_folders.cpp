@@ -8,6 +8,7 @@
 #include "host/cli/json_output.h"
 #include "host/cli/output.h"
 #include "host/cli/rig/live_views.h"
+#include "host/cli/rig/stereo_json.h"
 
 namespace stof::host {
 namespace {
@@ -48,14 +49,8 @@ using nlohmann::ordered_json;
 // translation).
 ordered_json place_json(const CalibFolderOptions& options, const ExtrinsicFit& fit) {
   const dsp::RigidTransform place = transform_of(fit.pmd_to_stereo);
-  ordered_json covariance = ordered_json::array();
   ordered_json sigma = ordered_json::array();
   for (Eigen::Index i = 0; i < fit.covariance.rows(); ++i) {
-    ordered_json row = ordered_json::array();
-    for (Eigen::Index k = 0; k < fit.covariance.cols(); ++k) {
-      row.push_back(fit.covariance(i, k));
-    }
-    covariance.push_back(row);
     sigma.push_back(std::sqrt(fit.covariance(i, i)));
   }
   return {{"file", options.out.string()},
@@ -63,7 +58,7 @@ ordered_json place_json(const CalibFolderOptions& options, const ExtrinsicFit& f
           {"rotation", place.rotation},
           {"translation_m", place.translation_m},
           {"sigma", sigma},
-          {"covariance", covariance}};
+          {"covariance", matrix_json(fit.covariance)}};
 }
 
 ordered_json walls_json(const CalibFolderOptions& options, const ExtrinsicFit& fit,

@@ -20,13 +20,14 @@ class LiveStereo {
   LiveStereo(const CalibStereoOptions& options, const TargetOptions& target)
       : options_(options),
         target_(target),
-        kept_(live_folder(options.live, options.out, ".views"), "view") {}
+        kept_(live_folder(options.live, options.out, ".views"), "view"),
+        lines_(options.json) {}
 
   // Until all views are there, with the calibration that they make.
   TargetCalibration run() {
     LiveShots shots(options_.live, false);
-    LiveLines::say("subscribing at " + options_.live.sensor + "; views are kept in " +
-                   kept_.folder().string() + ", what they cover in coverage.png there");
+    lines_.note("subscribing at " + options_.live.sensor + "; views are kept in " +
+                kept_.folder().string() + ", what they cover in coverage.png there");
     while (std::optional<RawShot> shot = shots.next(kept_text())) {
       // Its calibration comes with the first frames.
       if (!guide_ && !shots.told_lens() && ++untold_ < kUntold) {
@@ -70,7 +71,7 @@ class LiveStereo {
                                     .most_motion_px = options_.live.most_motion_px,
                                     .most_blur_px = options_.most_blur_px});
     if (!kept_.empty()) {
-      LiveLines::say(printed("reading %zu views that were kept", kept_.count()));
+      lines_.note(printed("reading %zu views that were kept", kept_.count()));
       TargetViews before = value_or_fail(find_views(kept_.folder(), target_, asked_to_stop));
       if (before.stopped) {
         throw Failure(Exit::kFailure, "stopped: " + kept_text());
@@ -83,10 +84,10 @@ class LiveStereo {
       for (PairView& view : before.views) {
         guide_->add(sighting_of(std::move(view), target_.board, lens_));
       }
-      LiveLines::say(printed("views of before: %zu; ", guide_->views().size()) + missing());
+      lines_.note(printed("views of before: %zu; ", guide_->views().size()) + missing());
       draw();
     } else {
-      LiveLines::say(missing());
+      lines_.note(missing());
     }
   }
 
@@ -104,11 +105,11 @@ class LiveStereo {
     }
     kept_.write(name, shot);
     draw();
-    LiveLines::say(printed("%s: taken (corners moved by %.2f px, edges are %.2f px wide), %zu in "
-                           "all; ",
-                           name.c_str(), judgement.motion_px, judgement.blur_px,
-                           guide_->views().size()) +
-                   missing());
+    lines_.note(printed("%s: taken (corners moved by %.2f px, edges are %.2f px wide), %zu in "
+                        "all; ",
+                        name.c_str(), judgement.motion_px, judgement.blur_px,
+                        guide_->views().size()) +
+                missing());
     return true;
   }
 
@@ -128,7 +129,7 @@ class LiveStereo {
     if (!guide_->complete()) {
       return std::nullopt;
     }
-    LiveLines::say("all views are there: calibrating");
+    lines_.note("all views are there: calibrating");
     TargetViews views{
         .width = lens_.width, .height = lens_.height, .views = guide_->views(), .refused = {}};
     bool stopped = false;
@@ -145,7 +146,7 @@ class LiveStereo {
       throw Failure(Exit::kBadInput, why + "; " + kept_text());
     }
     guide_->want_more(kMoreViews);
-    LiveLines::say("missing: " + why);
+    lines_.note("missing: " + why);
     return std::nullopt;
   }
 

@@ -145,6 +145,7 @@ void add_stereo(CLI::App& calib, CalibStereoOptions& options) {
   command.add_option("--html", options.page,
                      "--target, --live: a page with the residuals of each view");
   add_planes_flags(command, options);
+  add_json_flag(command, options.json);
   command.callback([&options] { calib_stereo(options); });
 }
 

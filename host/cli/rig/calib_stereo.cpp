@@ -3,8 +3,10 @@
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/rig/report/rig_report.h"
 #include "host/cli/failure.h"
+#include "host/cli/json_output.h"
 #include "host/cli/output.h"
 #include "host/cli/rig/live_views.h"
+#include "host/cli/rig/stereo_json.h"
 
 namespace stof::host {
 namespace {
@@ -36,7 +38,7 @@ TargetCalibration of_folder(const CalibStereoOptions& options, const TargetOptio
   const std::vector<RefusedView> refused = views.refused;
   dataset::Loaded<TargetCalibration> found = calibrate_target(std::move(views), target);
   if (!found) {
-    for (const RefusedView& view : refused) {
+    for (const RefusedView& view : options.json ? std::vector<RefusedView>() : refused) {
       std::printf("left out: %s: %s\n", view.name.c_str(), view.why.c_str());
     }
     throw Failure(Exit::kBadInput, options.target.string() + ": " + found.error().message);
@@ -48,14 +50,18 @@ void by_target(const CalibStereoOptions& options) {
   const TargetOptions target = target_options(options);
   StoredCalibration stored;
   const dsp::Calibration start = start_of(options, stored);
+  const std::filesystem::path folder =
+      options.live.on() ? live_folder(options.live, options.out, ".views") : options.target;
   const TargetCalibration found =
       options.live.on() ? calib_live_stereo(options, target) : of_folder(options, target);
-  std::printf("%s", target_text(found).c_str());
+  if (!options.json) {
+    std::printf("%s", target_text(found).c_str());
+  }
   if (!options.page.empty()) {
     value_or_fail(write_target_page(found, options.page));
   }
   if (!found.missing.empty() && !options.force) {
-    throw Failure(Exit::kBadInput, options.target.string() + ": " + found.missing.front() +
+    throw Failure(Exit::kBadInput, folder.string() + ": " + found.missing.front() +
                                        ": add such views, no file is written; or give --force");
   }
   if (const std::string why = other_rig(start, found.fit.rig); !why.empty() && !options.force) {
@@ -63,7 +69,11 @@ void by_target(const CalibStereoOptions& options) {
                   options.start.string() + ": " + why + "; or give --force, no file is written");
   }
   value_or_fail(write_calibration(options.out, with_pair(start, found.fit.rig)));
-  std::printf("%s\n", options.out.c_str());
+  if (options.json) {
+    say_json(target_json(options, folder, found));
+  } else {
+    std::printf("%s\n", options.out.c_str());
+  }
 }
 
 double second_or(const std::vector<double>& numbers, double share) {
@@ -112,10 +122,16 @@ void by_planes(const CalibStereoOptions& options) {
   const int height = planes.front().disparity.height;
   const PlaneCalibrationOptions plane = plane_options(options, width, height);
   const PlaneCalibration found = value_or_fail(calibrate_planes(planes, plane));
-  std::printf("%s", planes_text(found).c_str());
+  if (!options.json) {
+    std::printf("%s", planes_text(found).c_str());
+  }
   rig.stereo = rig_of(found.fit.x, plane.sensor, width, height);
   value_or_fail(write_calibration(options.out, rig));
-  std::printf("%s\n", options.out.c_str());
+  if (options.json) {
+    say_json(planes_json(options, found));
+  } else {
+    std::printf("%s\n", options.out.c_str());
+  }
 }
 
 }  // namespace

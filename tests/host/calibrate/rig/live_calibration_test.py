@@ -114,15 +114,19 @@ class LiveCalibration(unittest.TestCase):
             file.unlink()
         (self.views / "pose_000").rmdir()
         sensor = self.start(*built, "--poses", "wave:1,3", "--no-tof")
-        ended = subprocess.run(self.words(sensor, "--views", 26, "--timeout", 30, "--time-limit", ENOUGH_S - 20), capture_output=True, text=True,
-                               timeout=ENOUGH_S, check=False)
+        ended = subprocess.run(self.words(sensor, "--views", 26, "--timeout", 30, "--time-limit", ENOUGH_S - 20, "--json"), capture_output=True,
+                               text=True, timeout=ENOUGH_S, check=False)
         self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
-        self.assertIn("views of before: 25; missing: more: the board anywhere, before both cameras (25 of 26)\n", ended.stdout)
-        self.assertRegex(ended.stdout, r"\nview_001: taken \(.*, 26 in all; all views are there\n")
+        self.assertIn("views of before: 25; missing: more: the board anywhere, before both cameras (25 of 26)\n", ended.stderr)
+        self.assertRegex(ended.stderr, r"\nview_001: taken \(.*, 26 in all; all views are there\n")
+        told = json.loads(ended.stdout)
+        self.assertEqual((told["file"], told["folder"], told["board"], told["missing"]), (str(self.out), str(self.views), "9x6:0.06", []))
+        self.assertEqual(len(told["views"]) + len(told["held_out"]["views"]) + len(told["left_out"]), 26)
+        self.assertLess(told["held_out"]["row_px"], 0.3)
+        self.assertEqual([len(told["sigma"]), len(told["covariance"]), len(told["covariance"][23])], [24, 24, 24])
         truth = json.loads((self.views / "truth.json").read_text(encoding="utf-8"))
-        focal = [float(number) for number in re.search(r"fx +(\S+) \+- \S+ +(\S+)", ended.stdout).groups()]
-        for found, eye in zip(focal, ("left", "right")):
-            self.assertLess(abs(found / truth[eye]["fx"] - 1), 0.003)
+        for eye in ("left", "right"):
+            self.assertLess(abs(told[eye]["fx"] / truth[eye]["fx"] - 1), 0.003)
         self.assertTrue(self.out.read_bytes().startswith(b"STOFCAL\0"))
 
     def walls(self, code, *words, enters=0):
