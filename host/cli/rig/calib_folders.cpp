@@ -121,7 +121,8 @@ Placed by_walls(const CalibFolderOptions& options, const dsp::Calibration& rig) 
   return {*fit, walls_json(options, *fit, found, missing)};
 }
 
-Placed by_boards(const CalibFolderOptions& options, const dsp::Calibration& rig) {
+// The board that a PMD camera can see, or Failure.
+Board pmd_board(const CalibFolderOptions& options, const dsp::Calibration& rig) {
   if (rig.stereo.converging) {
     throw Failure(Exit::kBadInput, options.calibration.string() +
                                        ": is of a pair whose axes converge: use walls, without "
@@ -133,6 +134,11 @@ Placed by_boards(const CalibFolderOptions& options, const dsp::Calibration& rig)
                                        ": has markers, too fine for a PMD camera: use a chessboard "
                                        "of large squares");
   }
+  return board;
+}
+
+Placed by_boards(const CalibFolderOptions& options, const dsp::Calibration& rig) {
+  const Board board = pmd_board(options, rig);
   const PmdBoardViews found = value_or_fail(read_board_views(options.folder, rig, board));
   if (!options.json) {
     print("left out", found.refused);
@@ -179,6 +185,9 @@ void calib_extrinsics(const CalibFolderOptions& options) {
                       ": holds no PMD camera: calibrate it first (stof calib pmd)");
   }
   need_file(options.out, "--out");
+  if (!options.board.empty()) {
+    pmd_board(options, rig);  // before a sensor is asked
+  }
   CalibFolderOptions from = options;
   if (options.live.on()) {
     from.folder = calib_live_walls(options, rig);

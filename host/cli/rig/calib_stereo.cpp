@@ -151,6 +151,9 @@ void calib_stereo(const CalibStereoOptions& options) {
                   "DIR");
   }
   need_file(options.out, "--out");
+  if (!options.page.empty()) {
+    need_file(options.page, "--html");
+  }
   options.planes.empty() ? by_target(options) : by_planes(options);
 }
 

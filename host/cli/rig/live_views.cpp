@@ -36,9 +36,17 @@ std::filesystem::path write_pair(const std::filesystem::path& to, const RawShot&
 
 KeptViews::KeptViews(std::filesystem::path folder, std::string prefix)
     : folder_(std::move(folder)), prefix_(std::move(prefix)) {
-  make_folder(folder_);
   std::error_code error;
+  made_ = !std::filesystem::exists(folder_, error);
+  make_folder(folder_);
   std::filesystem::remove_all(folder_ / kStaged, error);
+}
+
+KeptViews::~KeptViews() {
+  std::error_code error;
+  if (made_) {
+    std::filesystem::remove(folder_, error);  // an empty one alone
+  }
 }
 
 std::size_t KeptViews::count() const {

@@ -21,6 +21,10 @@ class KeptViews {
  public:
   // Made where missing; throws Failure. Views that lie in it count.
   KeptViews(std::filesystem::path folder, std::string prefix);
+  KeptViews(const KeptViews&) = delete;
+  KeptViews& operator=(const KeptViews&) = delete;
+  // Where no view was kept no folder is left that was made for them.
+  ~KeptViews();
 
   const std::filesystem::path& folder() const { return folder_; }
   bool empty() const;
@@ -37,6 +41,7 @@ class KeptViews {
  private:
   std::filesystem::path folder_;
   std::string prefix_;
+  bool made_ = false;
 };
 
 // PMD samples beside a pair: pmd.json and pmd_raw.pgm, with the constants of the calibration.
