@@ -139,6 +139,9 @@ void record_live_walls(const CalibPmdOptions& options, const StoredCalibration& 
 }  // namespace
 
 void calib_pmd(const CalibPmdOptions& options) {
+  if (!options.plots.empty()) {
+    need_folder(options.plots, "--plots");
+  }
   StoredCalibration start;
   if (!options.start.empty()) {
     start = value_or_fail(read_calibration(options.start));

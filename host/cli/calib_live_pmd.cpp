@@ -4,24 +4,21 @@
 #include <chrono>
 #include <cmath>
 #include <complex>
-#include <cstdio>
 #include <numbers>
 #include <optional>
-#include <set>
 
 #include "dataset/files/file.h"
 #include "host/calibrate/walls/pmd_wall.h"
 #include "host/cli/failure.h"
-#include "host/cli/live/enter_wait.h"
+#include "host/cli/live/live_lines.h"
 #include "host/cli/live/raw_feed.h"
-#include "host/cli/output.h"
+#include "host/cli/live/wall_walk.h"
 #include "host/cli/stop_signal.h"
 #include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
 
-constexpr double kSameM = 1e-6;
 constexpr double kMostMovedM = 0.01;
 constexpr double kMostSaturated = 0.5;
 constexpr double kLightMPerS = 299'792'458;
@@ -57,7 +54,8 @@ class PmdWalls {
         folder_(std::move(folder)),
         start_(std::move(start)),
         camera_(camera),
-        aside_(aside) {
+        lines_(aside),
+        walk_(options.distances, folder_) {
     camera_.fixed_pattern = {};
     std::error_code error;
     std::filesystem::create_directories(folder_, error);
@@ -65,68 +63,37 @@ class PmdWalls {
 
   void run() {
     for (const std::filesystem::path& prefix : value_or_fail(list_walls(folder_))) {
-      there_.insert(value_or_fail(read_wall(prefix)).z_m);
+      walk_.add(value_or_fail(read_wall(prefix)).z_m);
     }
-    if (!next()) {
+    if (!walk_.next()) {
       return;
     }
     RawFeed feed(options_, {.pmd = true, .every = 1});
-    note("subscribing at " + options_.sensor + "; walls are kept in " + folder_.string());
-    while (const std::optional<double> z = next()) {
+    lines_.note("subscribing at " + options_.sensor + "; walls are kept in " + folder_.string());
+    while (const std::optional<double> z = walk_.next()) {
       ask(*z);
       take(feed, *z);
     }
   }
 
  private:
-  void note(const std::string& line) const {
-    if (aside_) {
-      std::fprintf(stderr, "%s\n", line.c_str());
-    } else {
-      say(line);
-    }
-  }
-
-  // The first distance of which there is no recording; none: there is one of each.
-  std::optional<double> next() const {
-    for (const double z : options_.distances) {
-      const auto from = there_.lower_bound(z - kSameM);
-      if (from == there_.end() || *from > z + kSameM) {
-        return z;
-      }
-    }
-    return std::nullopt;
-  }
-
-  std::string kept_text() const {
-    return there_.empty()
-               ? std::string("no wall was taken")
-               : printed("walls in %s: %zu; run it again to go on", folder_.c_str(), there_.size());
-  }
-
   void ask(double z) const {
-    note(printed("put the wall at %.4g m from the PMD camera, facing it, and press Enter", z));
-    switch (wait_for_enter(asked_to_stop)) {
-      case Answer::kEnter:
-        return;
-      case Answer::kStopped:
-        throw Failure(Exit::kFailure, "stopped: " + kept_text());
-      case Answer::kNobody:
-        throw Failure(Exit::kFailure, "stdin ended, nobody presses Enter: " + kept_text());
-    }
+    lines_.note(
+        printed("put the wall at %.4g m from the PMD camera, facing it, and press Enter", z));
+    wait_for_wall(walk_);
   }
 
   RawShot next_shot(RawFeed& feed) const {
     constexpr std::chrono::milliseconds kLook{100};
     while (true) {
       if (asked_to_stop()) {
-        throw Failure(Exit::kFailure, "stopped: " + kept_text());
+        throw Failure(Exit::kFailure, "stopped: " + walk_.kept_text());
       }
       std::optional<RawShot> shot;
       try {
         shot = feed.next(kLook);
       } catch (const Failure& failure) {
-        throw Failure(failure.code(), std::string(failure.what()) + "; " + kept_text());
+        throw Failure(failure.code(), std::string(failure.what()) + "; " + walk_.kept_text());
       }
       if (shot) {
         return std::move(*shot);
@@ -149,21 +116,22 @@ class PmdWalls {
       wall.recording.frames.push_back(std::move(shot.pmd));
     }
     if (const std::string why = problem_of_wall(wall.recording.frames, camera_); !why.empty()) {
-      note("left out: " + why);
+      lines_.note("left out: " + why);
       return;
     }
     wall.recording.calibration.pmd = camera_;
     value_or_fail(write_wall(folder_ / wall.name, wall));
-    there_.insert(z);
-    note(printed("%s: taken at %.4g m, %zu exposures", wall.name.c_str(), z, options_.exposures));
+    walk_.add(z);
+    lines_.note(
+        printed("%s: taken at %.4g m, %zu exposures", wall.name.c_str(), z, options_.exposures));
   }
 
   const PmdLiveOptions& options_;
   std::filesystem::path folder_;
   std::filesystem::path start_;
   dsp::PmdSensor camera_;
-  bool aside_;
-  std::set<double> there_;  // distances of recordings in the folder
+  LiveLines lines_;
+  WallWalk walk_;
 };
 
 }  // namespace

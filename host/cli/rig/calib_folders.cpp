@@ -8,6 +8,7 @@
 #include "host/cli/json_output.h"
 #include "host/cli/output.h"
 #include "host/cli/rig/live_views.h"
+#include "host/cli/rig/stereo_json.h"
 
 namespace stof::host {
 namespace {
@@ -48,14 +49,8 @@ using nlohmann::ordered_json;
 // translation).
 ordered_json place_json(const CalibFolderOptions& options, const ExtrinsicFit& fit) {
   const dsp::RigidTransform place = transform_of(fit.pmd_to_stereo);
-  ordered_json covariance = ordered_json::array();
   ordered_json sigma = ordered_json::array();
   for (Eigen::Index i = 0; i < fit.covariance.rows(); ++i) {
-    ordered_json row = ordered_json::array();
-    for (Eigen::Index k = 0; k < fit.covariance.cols(); ++k) {
-      row.push_back(fit.covariance(i, k));
-    }
-    covariance.push_back(row);
     sigma.push_back(std::sqrt(fit.covariance(i, i)));
   }
   return {{"file", options.out.string()},
@@ -63,7 +58,7 @@ ordered_json place_json(const CalibFolderOptions& options, const ExtrinsicFit& f
           {"rotation", place.rotation},
           {"translation_m", place.translation_m},
           {"sigma", sigma},
-          {"covariance", covariance}};
+          {"covariance", matrix_json(fit.covariance)}};
 }
 
 ordered_json walls_json(const CalibFolderOptions& options, const ExtrinsicFit& fit,
@@ -126,7 +121,8 @@ Placed by_walls(const CalibFolderOptions& options, const dsp::Calibration& rig) 
   return {*fit, walls_json(options, *fit, found, missing)};
 }
 
-Placed by_boards(const CalibFolderOptions& options, const dsp::Calibration& rig) {
+// The board that a PMD camera can see, or Failure.
+Board pmd_board(const CalibFolderOptions& options, const dsp::Calibration& rig) {
   if (rig.stereo.converging) {
     throw Failure(Exit::kBadInput, options.calibration.string() +
                                        ": is of a pair whose axes converge: use walls, without "
@@ -138,6 +134,11 @@ Placed by_boards(const CalibFolderOptions& options, const dsp::Calibration& rig)
                                        ": has markers, too fine for a PMD camera: use a chessboard "
                                        "of large squares");
   }
+  return board;
+}
+
+Placed by_boards(const CalibFolderOptions& options, const dsp::Calibration& rig) {
+  const Board board = pmd_board(options, rig);
   const PmdBoardViews found = value_or_fail(read_board_views(options.folder, rig, board));
   if (!options.json) {
     print("left out", found.refused);
@@ -184,6 +185,9 @@ void calib_extrinsics(const CalibFolderOptions& options) {
                       ": holds no PMD camera: calibrate it first (stof calib pmd)");
   }
   need_file(options.out, "--out");
+  if (!options.board.empty()) {
+    pmd_board(options, rig);  // before a sensor is asked
+  }
   CalibFolderOptions from = options;
   if (options.live.on()) {
     from.folder = calib_live_walls(options, rig);

@@ -22,7 +22,8 @@ class LiveStereo {
   LiveStereo(const CalibStereoOptions& options, const TargetOptions& target)
       : options_(options),
         target_(target),
-        kept_(live_folder(options.live, options.out, ".views"), "view") {}
+        kept_(live_folder(options.live, options.out, ".views"), "view"),
+        lines_(options.json) {}
 
   // Until all views are there, with the calibration that they make.
   TargetCalibration run() {
@@ -119,7 +120,7 @@ class LiveStereo {
                                .text = std::move(text)},
                               options_.picture_width));
     } else if (taken) {
-      LiveLines::say(text);
+      lines_.note(text);
     } else {
       lines_.tell(static_cast<int>(judgement.verdict), text);
     }
@@ -130,7 +131,7 @@ class LiveStereo {
     if (options_.json) {
       say_json_line(stage_json(state, text));
     } else {
-      LiveLines::say(text);
+      lines_.note(text);
     }
   }
 

@@ -149,9 +149,7 @@ std::filesystem::path calib_live_pictures(const CalibFolderOptions& options,
   }
   const bool pmd = rig.pmd.lens.width > 0;
   LiveShots shots(options.live, pmd);
-  if (!options.json) {
-    LiveLines::say("subscribing at " + options.live.sensor);
-  }
+  LiveLines(options.json).note("subscribing at " + options.live.sensor);
   for (std::size_t n = 0; n < options.live.views; ++n) {
     const std::optional<RawShot> shot = shots.next({});
     if (!shot) {

@@ -156,6 +156,7 @@ void add_stereo(CLI::App& calib, CalibStereoOptions& options) {
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   add_planes_flags(command, options);
+  add_json_flag(command, options.json);
   command.callback([&options] { calib_stereo(options); });
 }
 

@@ -52,6 +52,7 @@ struct CalibStereoOptions {
   unsigned seed = 1;
   bool chapter = false;
   int threads = 1;
+  bool json = false;
 };
 
 struct CalibFolderOptions {  // extrinsics, check

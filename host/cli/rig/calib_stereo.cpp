@@ -7,6 +7,7 @@
 #include "host/cli/output.h"
 #include "host/cli/rig/live_stereo_json.h"
 #include "host/cli/rig/live_views.h"
+#include "host/cli/rig/stereo_json.h"
 
 namespace stof::host {
 namespace {
@@ -50,6 +51,8 @@ void by_target(const CalibStereoOptions& options) {
   const TargetOptions target = target_options(options);
   StoredCalibration stored;
   const dsp::Calibration start = start_of(options, stored);
+  const std::filesystem::path folder =
+      options.live.on() ? live_folder(options.live, options.out, ".views") : options.target;
   const TargetCalibration found =
       options.live.on() ? calib_live_stereo(options, target) : of_folder(options, target);
   if (!options.json) {
@@ -59,7 +62,7 @@ void by_target(const CalibStereoOptions& options) {
     value_or_fail(write_target_page(found, options.page));
   }
   if (!found.missing.empty() && !options.force) {
-    throw Failure(Exit::kBadInput, options.target.string() + ": " + found.missing.front() +
+    throw Failure(Exit::kBadInput, folder.string() + ": " + found.missing.front() +
                                        ": add such views, no file is written; or give --force");
   }
   if (const std::string why = other_rig(start, found.fit.rig); !why.empty() && !options.force) {
@@ -71,10 +74,10 @@ void by_target(const CalibStereoOptions& options) {
     std::printf("%s\n", options.out.c_str());
   } else if (options.live.on()) {
     nlohmann::ordered_json line = stage_json("calibrated", options.out.string() + " is written");
-    line["result"] = target_json(found, options.out);
+    line["result"] = target_json(options, folder, found);
     say_json_line(line);
   } else {
-    say_json(target_json(found, options.out));
+    say_json(target_json(options, folder, found));
   }
 }
 
@@ -124,10 +127,16 @@ void by_planes(const CalibStereoOptions& options) {
   const int height = planes.front().disparity.height;
   const PlaneCalibrationOptions plane = plane_options(options, width, height);
   const PlaneCalibration found = value_or_fail(calibrate_planes(planes, plane));
-  std::printf("%s", planes_text(found).c_str());
+  if (!options.json) {
+    std::printf("%s", planes_text(found).c_str());
+  }
   rig.stereo = rig_of(found.fit.x, plane.sensor, width, height);
   value_or_fail(write_calibration(options.out, rig));
-  std::printf("%s\n", options.out.c_str());
+  if (options.json) {
+    say_json(planes_json(options, found));
+  } else {
+    std::printf("%s\n", options.out.c_str());
+  }
 }
 
 }  // namespace
@@ -147,6 +156,9 @@ void calib_stereo(const CalibStereoOptions& options) {
                   "DIR");
   }
   need_file(options.out, "--out");
+  if (!options.page.empty()) {
+    need_file(options.page, "--html");
+  }
   options.planes.empty() ? by_target(options) : by_planes(options);
 }
 

@@ -6,18 +6,11 @@
 #include "host/calibrate/rig/live/corner_cells.h"
 #include "host/picture/png.h"
 #include "host/report/page/page.h"
-#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// What a good rig stays below: docs/CALIBRATION.md, step 5.
-constexpr double kGoodRowPx = 0.3;
-constexpr double kGoodScale = 0.005;
-constexpr double kGoodCornerPx = 0.3;
-constexpr double kPercents = 100;
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
@@ -54,37 +47,6 @@ const char* verdict_name(ViewVerdict verdict) {
 
 std::string picture_text(const dataset::Image<std::uint8_t>& picture, int width) {
   return base64(png_bytes(smaller_picture(picture, (picture.width + width - 1) / width)));
-}
-
-std::vector<std::string> warnings_of(const TargetCalibration& found) {
-  std::vector<std::string> warnings = found.missing;
-  if (found.fit.corner_sigma_px > kGoodCornerPx) {
-    warnings.push_back(
-        printed("corners are off by %.2f px, and good is %.1f or less: the board is not flat, or "
-                "--board is another one",
-                found.fit.corner_sigma_px, kGoodCornerPx));
-  }
-  if (!found.judgement) {
-    warnings.emplace_back("no view was held out: nobody judges this calibration");
-  } else {
-    if (found.judgement->row_px > kGoodRowPx) {
-      warnings.push_back(
-          printed("rows of both pictures are apart by %.2f px, and good is %.1f or "
-                  "less: take more views, tilted ones above all",
-                  found.judgement->row_px, kGoodRowPx));
-    }
-    if (std::abs(found.judgement->scale_error) > kGoodScale) {
-      warnings.push_back(
-          printed("squares come out %.2f percent too %s, and good is %.1f or less: measure the "
-                  "board along ten squares",
-                  std::abs(found.judgement->scale_error) * kPercents,
-                  found.judgement->scale_error > 0 ? "large" : "small", kGoodScale * kPercents));
-    }
-  }
-  for (const RefusedView& view : found.refused) {
-    warnings.push_back(view.name + " was left out: " + view.why);
-  }
-  return warnings;
 }
 
 }  // namespace
@@ -138,32 +100,6 @@ Json look_json(const LiveLook& look, int picture_width) {
     json["right_png"] = picture_text(look.shot.right, picture_width);
   }
   return json;
-}
-
-Json target_json(const TargetCalibration& found, const std::filesystem::path& file) {
-  const dsp::RawPair& rig = found.fit.rig;
-  const auto lens = [](const dsp::Pinhole& eye) {
-    return Json{{"width", eye.width}, {"height", eye.height}, {"fx", eye.fx}, {"fy", eye.fy},
-                {"cx", eye.cx},       {"cy", eye.cy},         {"k1", eye.k1}, {"k2", eye.k2},
-                {"p1", eye.p1},       {"p2", eye.p2},         {"k3", eye.k3}};
-  };
-  const auto& [x, y, z] = rig.left_to_right.translation_m;
-  Json held = nullptr;
-  if (found.judgement) {
-    held = {{"views", found.judgement->views},
-            {"reprojection_px", found.judgement->reprojection_px},
-            {"row_px", found.judgement->row_px},
-            {"largest_row_px", found.judgement->largest_row_px},
-            {"scale_error", found.judgement->scale_error}};
-  }
-  return {{"file", file.string()},
-          {"views", found.fitted.size()},
-          {"reprojection_px", found.fit.corner_sigma_px},
-          {"held_out", std::move(held)},
-          {"baseline_m", std::hypot(x, y, z)},
-          {"left", lens(rig.left)},
-          {"right", lens(rig.right)},
-          {"warnings", warnings_of(found)}};
 }
 
 }  // namespace stof::host

@@ -1,16 +1,13 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "host/calibrate/rig/live/view_guide.h"
-#include "host/calibrate/rig/target/target_calibration.h"
 #include "host/cli/live/raw_feed.h"
 
-// What `stof calib stereo --live --json` prints, an object a line (docs/CALIBRATION.md has the
-// members), and `--target --json` at its end.
+// What `stof calib stereo --live --json` prints, an object a line: docs/CALIBRATION.md.
 namespace stof::host {
 
 // state: "subscribing", "reading" (views that were kept), "missing" (what still is), "calibrating",
@@ -28,10 +25,6 @@ struct LiveLook {
 // picture_width: of both pictures, px, which are made smaller by a whole number to have no more; 0:
 // none is told.
 nlohmann::ordered_json look_json(const LiveLook& look, int picture_width);
-
-// What the fit came to, and in `warnings` what is wrong with that in plain words.
-nlohmann::ordered_json target_json(const TargetCalibration& found,
-                                   const std::filesystem::path& file);
 
 // The mean of blocks of `by` x `by` pixels, what is over at the right and below left out. by: 1 or
 // more, and no more than the picture is wide and high.

@@ -1,14 +1,12 @@
 #include "host/cli/rig/live_views.h"
 
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "dataset/dataset.h"
 #include "dataset/files/file.h"
 #include "host/calibrate/rig/target/pair_folder.h"
 #include "host/cli/failure.h"
-#include "host/cli/output.h"
 #include "host/cli/stop_signal.h"
 #include "host/text/printed.h"
 
@@ -38,9 +36,17 @@ std::filesystem::path write_pair(const std::filesystem::path& to, const RawShot&
 
 KeptViews::KeptViews(std::filesystem::path folder, std::string prefix)
     : folder_(std::move(folder)), prefix_(std::move(prefix)) {
-  make_folder(folder_);
   std::error_code error;
+  made_ = !std::filesystem::exists(folder_, error);
+  make_folder(folder_);
   std::filesystem::remove_all(folder_ / kStaged, error);
+}
+
+KeptViews::~KeptViews() {
+  std::error_code error;
+  if (made_) {
+    std::filesystem::remove(folder_, error);  // an empty one alone
+  }
 }
 
 std::size_t KeptViews::count() const {
@@ -92,28 +98,6 @@ void write_samples(const std::filesystem::path& folder,
   recording.calibration.pmd.fixed_pattern = recording.fixed_pattern;
   recording.after_pair_us = after_pair_us;
   value_or_fail(dataset::write_pmd(folder / "pmd", recording));
-}
-
-void LiveLines::say(const std::string& line) { host::say(line); }
-
-void LiveLines::note(const std::string& line) const {
-  if (aside_) {
-    std::fprintf(stderr, "%s\n", line.c_str());
-  } else {
-    say(line);
-  }
-}
-
-void LiveLines::tell(int state, const std::string& line) {
-  constexpr std::chrono::seconds kAnother{1};
-  constexpr std::chrono::seconds kSame{5};
-  const auto now = std::chrono::steady_clock::now();
-  if (at_ && now - *at_ < (state == told_ ? kSame : kAnother)) {
-    return;
-  }
-  note(line);
-  told_ = state;
-  at_ = now;
 }
 
 LiveShots::LiveShots(const CalibLiveOptions& options, bool pmd)

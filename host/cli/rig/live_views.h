@@ -8,6 +8,7 @@
 #include "dsp/calib/calibration.h"
 #include "host/calibrate/rig/planes/plane_disparities.h"
 #include "host/calibrate/rig/target/target_calibration.h"
+#include "host/cli/live/live_lines.h"
 #include "host/cli/live/raw_feed.h"
 #include "host/cli/rig/calib_rig.h"
 
@@ -20,6 +21,10 @@ class KeptViews {
  public:
   // Made where missing; throws Failure. Views that lie in it count.
   KeptViews(std::filesystem::path folder, std::string prefix);
+  KeptViews(const KeptViews&) = delete;
+  KeptViews& operator=(const KeptViews&) = delete;
+  // Where no view was kept no folder is left that was made for them.
+  ~KeptViews();
 
   const std::filesystem::path& folder() const { return folder_; }
   bool empty() const;
@@ -36,29 +41,13 @@ class KeptViews {
  private:
   std::filesystem::path folder_;
   std::string prefix_;
+  bool made_ = false;
 };
 
 // PMD samples beside a pair: pmd.json and pmd_raw.pgm, with the constants of the calibration.
 void write_samples(const std::filesystem::path& folder,
                    const std::vector<dataset::Image<std::uint16_t>>& frames,
                    std::int32_t after_pair_us, const dsp::PmdSensor& sensor);
-
-// Lines on stdout; aside: on stderr, because stdout holds JSON.
-class LiveLines {
- public:
-  explicit LiveLines(bool aside = false) : aside_(aside) {}
-  static void say(const std::string& line);
-  // say(), or on stderr.
-  void note(const std::string& line) const;
-  // What repeats itself: at once where it is another state than before, but never two lines within
-  // a second, and else every five seconds.
-  void tell(int state, const std::string& line);
-
- private:
-  bool aside_;
-  int told_ = -1;
-  std::optional<std::chrono::steady_clock::time_point> at_;
-};
 
 // The exposures of a sensor until the time is over or somebody asks to stop. What ends it early
 // says what was kept.

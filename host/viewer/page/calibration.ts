@@ -256,8 +256,8 @@ export class CalibrationPanel {
   private showResult(result: CalibrationResult, step: string): void {
     const held = result.held_out;
     const rows: [string, string][] = [
-      ["Views", `${result.views} to fit${held ? `, ${held.views} to judge by` : ""}`],
-      ["Reprojection error", `${result.reprojection_px.toFixed(3)} px${held ? `; of the views to judge by ${held.reprojection_px.toFixed(3)} px` : ""}`],
+      ["Views", `${result.views.length} to fit${held ? `, ${held.views.length} to judge by` : ""}`],
+      ["Reprojection error", `${result.corner_sigma_px.toFixed(3)} px${held ? `; of the views to judge by ${held.reprojection_px.toFixed(3)} px` : ""}`],
       ...(held ? [["Rows apart", `${held.row_px.toFixed(3)} px (good: 0.3 or less)`], ["Squares", `${(100 * held.scale_error).toFixed(2)} percent off (good: 0.5 or less)`]] as [string, string][] : []),
       ["Baseline", `${(1000 * result.baseline_m).toFixed(1)} mm`],
       ["File", result.file],

@@ -95,8 +95,8 @@ export interface CalibrationLook {
   left_png?: string; right_png?: string;
 }
 export interface CalibrationResult {
-  file: string; views: number; reprojection_px: number; baseline_m: number; warnings: string[];
-  held_out: null | { views: number; reprojection_px: number; row_px: number; largest_row_px: number; scale_error: number };
+  file: string; views: string[]; corner_sigma_px: number; baseline_m: number; warnings: string[];
+  held_out: null | { views: string[]; reprojection_px: number; row_px: number; largest_row_px: number; scale_error: number };
 }
 export interface CalibrationMessage {
   step: string; by: BegunBy; text: string; wrong: boolean; folder: string; kept: number; look: CalibrationLook | null; result: CalibrationResult | null; problem: string;

@@ -204,6 +204,12 @@ TEST_F(CalibPmd, RefusesNumbersThatCannotBeComputedWithWhereTheyStand) {
   expect_refused("--emitters: a light of the PMD camera is more than 2 m from its lens");
 }
 
+TEST_F(CalibPmd, RefusesAFolderForPlotsThatCannotBeOneBeforeItWrites) {
+  put_walls({1, 2, 3});
+  options_.plots = options_.folder / "z1000.json" / "plots";
+  expect_refused("--plots");
+}
+
 TEST_F(CalibPmd, RefusesEmittersThatAreNoPlaces) {
   put_walls({1, 2, 3});
   options_.emitters = {0.1, 0, 0, 0.2};

@@ -24,7 +24,7 @@ struct WallJudgement {
 std::optional<WallJudgement> judge_wall(const Plane& plane, const PlaneSensor& sensor,
                                         const PlaneUnknowns& x);
 
-// Of all pixels of the chosen walls together.
+// Of all pixels of the chosen walls together; NaN where there is none.
 double pooled_spread_m(const std::vector<WallJudgement>& walls, bool fitted);
 
 struct PlaneCalibration {

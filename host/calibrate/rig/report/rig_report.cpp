@@ -130,9 +130,11 @@ std::string planes_text(const PlaneCalibration& found) {
                     wall.bias_m * kMm, wall.pixels, wall.dropped * kPercent,
                     wall.fitted ? "" : "  held out");
   }
-  text +=
-      printed("spread over the fitted walls %.1f mm, held out %.1f mm\n",
-              pooled_spread_m(found.walls, true) * kMm, pooled_spread_m(found.walls, false) * kMm);
+  const double held_out = pooled_spread_m(found.walls, false) * kMm;
+  text += printed("spread over the fitted walls %.1f mm, held out %s\n",
+                  pooled_spread_m(found.walls, true) * kMm,
+                  std::isfinite(held_out) ? printed("%.1f mm", held_out).c_str()
+                                          : "none; nothing judges these constants");
   return found.chapter ? text + chapter_text(*found.chapter) : text;
 }
 

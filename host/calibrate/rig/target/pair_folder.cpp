@@ -11,7 +11,13 @@ dataset::Loaded<std::vector<std::filesystem::path>> list_pairs(const std::filesy
   std::error_code error;
   for (std::filesystem::directory_iterator at(dir, error), end; !error && at != end;
        at.increment(error)) {
-    if (dataset::is_there(at->path() / "left.pgm") && dataset::is_there(at->path() / "right.pgm")) {
+    const bool left = dataset::is_there(at->path() / "left.pgm");
+    const bool right = dataset::is_there(at->path() / "right.pgm");
+    if (left != right) {
+      return dataset::refuse(at->path(), left ? "has no right.pgm" : "has no left.pgm",
+                             "add it, or remove the folder");
+    }
+    if (left) {
       found.push_back(at->path());
     }
   }

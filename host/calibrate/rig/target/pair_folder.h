@@ -15,7 +15,8 @@ struct Pair {
   dataset::Image<std::uint8_t> right;
 };
 
-// The folders in DIR that hold left.pgm and right.pgm, by name. One line where there is none.
+// The folders in DIR that hold left.pgm and right.pgm, by name. One line where there is none, or
+// one has one of them alone.
 dataset::Loaded<std::vector<std::filesystem::path>> list_pairs(const std::filesystem::path& dir);
 
 // One line where a picture is missing or broken, or the two differ in size.

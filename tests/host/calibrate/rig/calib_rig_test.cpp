@@ -122,6 +122,7 @@ TEST_F(CalibRig, PicturesOfABoardBecomeAPair) {
 
 TEST_F(CalibRig, AFolderWithoutABoardIsRefused) {
   put_pair("a", {640, 480, 90}, {640, 480, 90});
+  testing::internal::CaptureStdout();
   EXPECT_NE(
       refused(Exit::kBadInput, [&] { calib_stereo({.target = views(), .out = file("rig.cal")}); })
           .find("no picture of 1 views shows the board 9x6:0.024: check --board"),
@@ -129,6 +130,9 @@ TEST_F(CalibRig, AFolderWithoutABoardIsRefused) {
   EXPECT_FALSE(std::filesystem::exists(file("rig.cal")));
   refused(Exit::kBadInput, [&] { calib_stereo({.out = file("rig.cal")}); });
   refused(Exit::kBadInput, [&] { calib_stereo({.target = folder(), .out = file("rig.cal")}); });
+  refused(Exit::kBadInput,
+          [&] { calib_stereo({.target = views(), .out = file("rig.cal"), .json = true}); });
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
 }
 
 dataset::Image<std::uint8_t> mirror_of(dataset::Image<std::uint8_t> picture) {
@@ -200,9 +204,9 @@ TEST_F(CalibRig, WallsAtKnownDistancesBecomeAConvergingRig) {
                 .min_disparity = -20,
                 .disparities = 160,
                 .chapter = true,
-                .threads = 2});
-  const std::string said = testing::internal::GetCapturedStdout();
-  std::printf("%s", said.c_str());
+                .threads = 2,
+                .json = true});
+  const nlohmann::json told = nlohmann::json::parse(testing::internal::GetCapturedStdout());
   const dataset::Loaded<StoredCalibration> found = read_calibration(file("rig.cal"));
   ASSERT_TRUE(found) << found.error().message;
   ASSERT_TRUE(found->calibration.stereo.converging);
@@ -211,9 +215,22 @@ TEST_F(CalibRig, WallsAtKnownDistancesBecomeAConvergingRig) {
                         rig.f2_m};
   EXPECT_NEAR(triangulation_constant(x) / triangulation_constant(kTruth), 1, 0.005);
   EXPECT_NEAR(zero_disparity_m(x), 4, 0.02);
-  const std::size_t at = said.find("spread over the fitted walls ");
-  ASSERT_NE(at, std::string::npos);
-  EXPECT_LE(std::stod(said.substr(at + 29)), 7.7) << "the chapter's";
+  EXPECT_LE(told.at("spread_mm"), 7.7) << "the chapter's";
+  EXPECT_GT(told.at("held_out_mm"), 0);
+  EXPECT_EQ(told.at("file"), file("rig.cal").string());
+  EXPECT_EQ(told.at("folder"), views().string());
+  EXPECT_EQ(told.at("baseline_m"), x[0]);
+  EXPECT_EQ(told.at("alpha_rad"), x[1]);
+  EXPECT_NEAR(told.at("axes_meet_m"), 4, 0.02);
+  EXPECT_NEAR(told.at("constant_m2").get<double>(), triangulation_constant(x), 1e-9);
+  EXPECT_EQ(told.at("covariance").size(), kPlaneUnknowns);
+  EXPECT_NEAR(told.at("covariance").at(4).at(4).get<double>(),
+              std::pow(told.at("sigma").at(4).get<double>(), 2), 1e-15);
+  ASSERT_EQ(told.at("walls").size(), 7U);
+  EXPECT_EQ(told.at("walls").at(0).at("name"), "wall160");
+  EXPECT_EQ(told.at("walls").at(0).at("z_m"), 1.6);
+  EXPECT_TRUE(told.at("walls").at(0).at("fitted"));
+  EXPECT_GT(told.at("chapter").at("table2_rms_mm"), 0);
 }
 
 const PoseUnknowns kPmdPose{0.03, -0.05, 0.02, 0.09, -0.03, 0.02};

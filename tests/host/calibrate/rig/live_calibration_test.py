@@ -143,7 +143,9 @@ class LiveCalibration(unittest.TestCase):
         self.assertRegex(taken["text"], r"^view_001: taken \(.*, 26 in all; all views are there$")
         self.assertNotIn("left_png", taken)
         result = lines[-1]["result"]
-        self.assertEqual(result["file"], str(self.out))
+        self.assertEqual((result["file"], result["folder"], result["board"], result["missing"]), (str(self.out), str(self.views), "9x6:0.06", []))
+        self.assertEqual(len(result["views"]) + len(result["held_out"]["views"]) + len(result["left_out"]), 26)
+        self.assertEqual([len(result["sigma"]), len(result["covariance"]), len(result["covariance"][23])], [24, 24, 24])
         truth = json.loads((self.views / "truth.json").read_text(encoding="utf-8"))
         for eye in ("left", "right"):
             self.assertLess(abs(result[eye]["fx"] / truth[eye]["fx"] - 1), 0.003)

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "host/cli/rig/stereo_json.h"
+
 namespace stof::host {
 namespace {
 
@@ -14,12 +16,20 @@ TargetCalibration good() {
   TargetCalibration found;
   found.fit.corner_sigma_px = 0.05;
   found.fit.rig.left_to_right.translation_m = {-0.12, 0, 0};
+  found.fit.covariance = Eigen::MatrixXd::Zero(kRigUnknowns, kRigUnknowns);
+  found.held_out.resize(4);
   found.judgement = TargetJudgement{.views = 4,
                                     .reprojection_px = 0.06,
                                     .row_px = 0.1,
                                     .largest_row_px = 0.3,
                                     .scale_error = -0.001};
   return found;
+}
+
+Json result_json(const TargetCalibration& found) {
+  CalibStereoOptions options;
+  options.out = "rig.cal";
+  return target_json(options, "views", found);
 }
 
 TEST(LiveStereoJson, ALookHasOneEntryForEachCornerThatIsSeenAndNoNaN) {
@@ -53,11 +63,11 @@ TEST(LiveStereoJson, PicturesAreMadeSmallerByTheMeanOfBlocks) {
 }
 
 TEST(LiveStereoJson, AGoodCalibrationHasNoWarning) {
-  const Json json = target_json(good(), "rig.cal");
+  const Json json = result_json(good());
   EXPECT_EQ(json["warnings"], Json::array());
   EXPECT_EQ(json["file"], "rig.cal");
   EXPECT_NEAR(json["baseline_m"].get<double>(), 0.12, 1e-12);
-  EXPECT_EQ(json["held_out"]["views"], 4);
+  EXPECT_EQ(json["held_out"]["views"].size(), 4U);
 }
 
 TEST(LiveStereoJson, EachThingThatIsWrongIsAWarningInWords) {
@@ -67,7 +77,7 @@ TEST(LiveStereoJson, EachThingThatIsWrongIsAWarningInWords) {
   found.judgement->scale_error = 0.011;
   found.refused = {{"view_003", "it is blurred"}};
   found.missing = {"tilted: more"};
-  const Json json = target_json(found, "rig.cal");
+  const Json json = result_json(found);
   ASSERT_EQ(json["warnings"].size(), 5U);
   EXPECT_EQ(json["warnings"][0], "tilted: more");
   EXPECT_NE(json["warnings"][1].get<std::string>().find("off by 0.80 px"), std::string::npos);
@@ -77,7 +87,7 @@ TEST(LiveStereoJson, EachThingThatIsWrongIsAWarningInWords) {
   EXPECT_EQ(json["warnings"][4], "view_003 was left out: it is blurred");
   found = good();
   found.judgement.reset();
-  const Json unjudged = target_json(found, "rig.cal");
+  const Json unjudged = result_json(found);
   EXPECT_TRUE(unjudged["held_out"].is_null());
   ASSERT_EQ(unjudged["warnings"].size(), 1U);
   EXPECT_NE(unjudged["warnings"][0].get<std::string>().find("nobody judges"), std::string::npos);

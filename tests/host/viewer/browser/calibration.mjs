@@ -69,7 +69,7 @@ export function calibrationChecks({ bin, open, text, live, shot, phone }) {
       assert.match(await text(page.page, "cal-figures"), /Reprojection error\s+0\.\d{3} px/);
       await shot(page.page, "calibration_result");
       const result = page.page.messages.findLast((message) => message.result).result;
-      assert.ok(result.reprojection_px < 0.3, JSON.stringify(result));
+      assert.ok(result.corner_sigma_px < 0.3, JSON.stringify(result));
       page.page.on("dialog", (dialog) => { page.asked = dialog.message(); return dialog.accept(); });
       await page.page.locator("#cal-install").click();
       await until("it is in force", async () => /calibration [0-9a-f]{8} is in force and kept/.test(await text(page.page, "cal-said")));
