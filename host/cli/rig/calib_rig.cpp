@@ -145,8 +145,8 @@ void add_stereo(CLI::App& calib, CalibStereoOptions& options) {
   command.add_option("--html", options.page,
                      "--target, --live: a page with the residuals of each view");
   add_json_flag(command, options.json);
-  CLI::Option* const json = command.get_option("--json")->excludes(planes);
-  json->description("JSON, and nothing else: of --live an object a line, of --target one");
+  CLI::Option* const json = command.get_option("--json");
+  json->description("JSON, and nothing else: of a board and --live an object a line, else one");
   command
       .add_option(
           "--picture-width", options.picture_width,
@@ -156,7 +156,6 @@ void add_stereo(CLI::App& calib, CalibStereoOptions& options) {
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   add_planes_flags(command, options);
-  add_json_flag(command, options.json);
   command.callback([&options] { calib_stereo(options); });
 }
 

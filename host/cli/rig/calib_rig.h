@@ -38,8 +38,6 @@ struct CalibStereoOptions {
   int hold_out = -1;  // every so many; -1: the command's own
   double most_blur_px = 1.5;
   bool force = false;
-  bool json = false;      // of --target and --live
-  int picture_width = 0;  // of the pictures in --live --json, px; 0: none
   // Of --planes.
   std::vector<double> distances{};           // with --live: of the walls that are shown, m
   std::vector<double> baseline{0.2, 0.002};  // m and its sigma
@@ -53,6 +51,7 @@ struct CalibStereoOptions {
   bool chapter = false;
   int threads = 1;
   bool json = false;
+  int picture_width = 0;  // of the pictures in --live --json, px; 0: none
 };
 
 struct CalibFolderOptions {  // extrinsics, check

@@ -209,7 +209,7 @@ PageCalibration::Task::End PageCalibration::calibrate(const Run& what) {
   asked.keys = options_.config.keys;
   asked.device = options_.config.device;
   asked.key = options_.config.key;
-  const SensorDocuments documents = read_documents(asked, true);
+  const recording::SensorDocuments documents = read_documents(asked, true);
   if (!documents.calibration.empty()) {
     value_or_fail(dataset::write_whole(what.folder / kBefore, documents.calibration));
   }
