@@ -49,6 +49,41 @@ void PairingServer::open(hal::Time now) noexcept {
   end(with_digits_);
   open_until_ = now + kWindow;
   opened_by_.reset();
+  pressed_away_ = false;
+}
+
+void PairingServer::press(hal::Time now) noexcept {
+  if (with_digits_.phase == Phase::kNone || with_digits_.phase == Phase::kDone) {
+    open(now);
+    return;
+  }
+  end(with_digits_);
+  open_until_.reset();
+  pressed_away_ = true;
+}
+
+void PairingServer::hold(std::optional<hal::Time> released_at) noexcept {
+  if (with_digits_.accepted) {
+    return;
+  }
+  if (digits() && with_digits_.told_at && released_at && *released_at >= *with_digits_.told_at) {
+    accept();
+  } else if (changes_ != nullptr) {
+    firmware::Event vain = state();
+    vain.former = firmware::kPairingHeldInVain;
+    static_cast<void>(changes_->push(vain));
+  }
+}
+
+void PairingServer::take(ButtonWatcher& button, hal::Time now) noexcept {
+  switch (button.tick(now)) {
+    case ButtonWatcher::Meaning::kPress:
+      return press(now);
+    case ButtonWatcher::Meaning::kHold:
+      return hold(button.released_at());
+    case ButtonWatcher::Meaning::kNothing:
+      return;
+  }
 }
 
 void PairingServer::accept() noexcept {
@@ -60,7 +95,7 @@ void PairingServer::accept() noexcept {
   }
 }
 
-void PairingServer::tick(hal::Time now) noexcept {
+void PairingServer::expire(hal::Time now) noexcept {
   if (open_until_ && now >= *open_until_) {
     open_until_.reset();
     end(with_digits_);
@@ -68,27 +103,44 @@ void PairingServer::tick(hal::Time now) noexcept {
   if (with_known_.phase != Phase::kNone && now >= with_known_.until) {
     end(with_known_);
   }
-  tell_state();
+}
+
+// Told here alone: so the button was looked at before, at the same time.
+void PairingServer::tick(hal::Time now) noexcept {
+  expire(now);
+  tell_state(now);
+}
+
+firmware::Event PairingServer::state() const noexcept {
+  firmware::Event event{.kind = firmware::EventKind::kPairing};
+  if (const std::optional<std::uint32_t> told = digits()) {
+    event.value = firmware::kPairingTold + *told;
+    event.role = asked_role();
+    event.address = asked_from();
+  } else if (is_open()) {
+    event.value = firmware::kPairingOpen;
+  } else {
+    event.value = is_done() ? firmware::kPairingDone : firmware::kPairingClosed;
+    event.former = pressed_away_ ? firmware::kPairingPressed : 0;
+  }
+  return event;
 }
 
 // Each state once. One that finds no room is told by the next tick.
-void PairingServer::tell_state() noexcept {
-  firmware::Event now{.kind = firmware::EventKind::kPairing};
-  if (const std::optional<std::uint32_t> told = digits()) {
-    now.value = firmware::kPairingTold + *told;
-    now.role = asked_role();
-    now.address = asked_from();
-  } else if (is_open()) {
-    now.value = firmware::kPairingOpen;
-  } else {
-    now.value = is_done() ? firmware::kPairingDone : firmware::kPairingClosed;
-  }
-  if (now.value == told_.value && now.role == told_.role && now.address == told_.address) {
+void PairingServer::tell_state(hal::Time now) noexcept {
+  const firmware::Event event = state();
+  const bool untold_digits = digits() && !with_digits_.told_at;
+  if (event.value == told_.value && event.role == told_.role && event.address == told_.address &&
+      !untold_digits) {
     return;
   }
-  const bool over = told_.value == firmware::kPairingDone && now.value == firmware::kPairingClosed;
-  if (over || changes_ == nullptr || changes_->push(now)) {
-    told_ = now;
+  const bool over =
+      told_.value == firmware::kPairingDone && event.value == firmware::kPairingClosed;
+  if (over || changes_ == nullptr || changes_->push(event)) {
+    told_ = event;
+    if (untold_digits) {
+      with_digits_.told_at = now;
+    }
   }
 }
 
@@ -99,7 +151,7 @@ std::optional<std::uint32_t> PairingServer::digits() const noexcept {
 
 PairAnswer PairingServer::serve(const PairRequest& request, PairingWay way, hal::Time now,
                                 const hal::Peer& from) noexcept {
-  tick(now);
+  expire(now);
   if (request.step > wire::PairStep::kAccept) {
     return {.result = PairResult::kWrong};  // of a newer client
   }
@@ -333,6 +385,7 @@ void PairingServer::end(Attempt& attempt) noexcept {
   attempt.phase = Phase::kNone;
   attempt.exchange.reset();
   attempt.secrets.reset();
+  attempt.told_at.reset();
   attempt.accepted = false;
 }
 

@@ -8,6 +8,7 @@
 
 #include "firmware/control/token_bucket.h"
 #include "firmware/events/events.h"
+#include "firmware/keys/button_watcher.h"
 #include "firmware/keys/key_write_limiter.h"
 #include "firmware/keys/keyring.h"
 #include "firmware/wire/crypto/crypto.h"
@@ -27,7 +28,8 @@ enum class PairingWay : std::uint8_t { kNetwork, kCable };
 // The sensor's end of pairing: any requests in, at most one key out of each attempt. With digits it
 // takes somebody at the sensor, twice: one press, or a request over the cable, opens two minutes
 // for one client, and once the digits of both ends are told, somebody accepts them there, with the
-// button or over the cable. Two clients in these minutes end both. Keys that both know, or the
+// button or over the cable. Two clients in these minutes end both, a press ends what is under way.
+// A hold counts that begins after the digits were told. Keys that both know, or the
 // label's code, need nobody, and are limited for that (KeyWriteLimiter). For one thread; no clock,
 // no heap.
 class PairingServer {
@@ -43,11 +45,15 @@ class PairingServer {
                 const std::optional<LabelCode>& code) noexcept
       : sensor_(sensor), ring_(ring), code_(code), writes_(ring) {}
 
-  // The button was pressed, or the cable asks: a new window, and nothing of the last one.
+  // A new window, and nothing of the last one.
   void open(hal::Time now) noexcept;
-  // Somebody at the sensor accepts the digits that it has told; before that it is nothing.
-  void accept() noexcept;
-  // Ends what is too old.
+  // The button was pressed: opens, or where a client is at it ends that and closes.
+  void press(hal::Time now) noexcept;
+  // It is held, and was last released then: accepts the digits, if they had been told.
+  void hold(std::optional<hal::Time> released_at) noexcept;
+  // What whoever has the button in hand means by it. Before tick() of that time.
+  void take(ButtonWatcher& button, hal::Time now) noexcept;
+  // Ends what is too old, and tells how it stands.
   void tick(hal::Time now) noexcept;
 
   // Gets each key that comes of it, and, by tick(), how pairing at the sensor stands: the digits
@@ -82,12 +88,15 @@ class PairingServer {
     wire::PairTranscript said{};
     std::optional<wire::Exchange> exchange{};
     std::optional<wire::PairSecrets> secrets{};
+    std::optional<hal::Time> told_at{};  // its digits
     bool accepted = false;
   };
 
   Attempt& attempt_of(wire::PairMethod method) noexcept {
     return method == wire::PairMethod::kDigits ? with_digits_ : with_known_;
   }
+  void expire(hal::Time now) noexcept;
+  void accept() noexcept;
   // The cable's own steps: none of them is served over the network.
   wire::PairAnswer serve_cable(const wire::PairRequest& request, hal::Time now) noexcept;
   // How the two minutes stand that the cable opened.
@@ -103,7 +112,8 @@ class PairingServer {
                            hal::Time now) noexcept;
   wire::PairAnswer finish(Attempt& attempt) noexcept;
   void tell(const Attempt& attempt) noexcept;
-  void tell_state() noexcept;
+  firmware::Event state() const noexcept;
+  void tell_state(hal::Time now) noexcept;
   wire::PairAnswer fail(Attempt& attempt, wire::PairResult why) noexcept;
   static wire::PairAnswer answer(const Attempt& attempt, wire::PairResult result) noexcept;
   static void end(Attempt& attempt) noexcept;
@@ -113,6 +123,7 @@ class PairingServer {
   std::optional<LabelCode> code_;
   std::optional<hal::Time> open_until_;
   std::optional<wire::PairNonce> opened_by_;  // of the cable's request; none: the button
+  bool pressed_away_ = false;                 // the last window
   Attempt with_digits_;
   Attempt with_known_;
   firmware::TokenBucket begins_{kMostBegins, kBeginRefill};

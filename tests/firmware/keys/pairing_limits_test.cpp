@@ -23,7 +23,7 @@ TEST_F(PairingServerTest, OnceAKeyIsMadeNobodyKeepsItsClientFromHearingOfIt) {
   server_.open(now_);
   PairingClient owner(kSensor, PairMethod::kDigits, Role::kAdmin);
   ASSERT_EQ(run(owner).result, PairResult::kWaiting);
-  server_.accept();
+  hold();
   ASSERT_EQ(ring_.keys().count(), 1U);
   PairingClient stranger(kSensor, PairMethod::kDigits, Role::kAdmin);
   EXPECT_EQ(ask(stranger.begin()).result, PairResult::kClosed);

@@ -99,7 +99,8 @@ TEST(PairClient, ComparesDigitsAndWaitsForTheSensor) {
   ASSERT_TRUE(client.start());
   EXPECT_EQ(client.digits(), sensor.pairing.digits());
   EXPECT_EQ(client.finish(1ms).error().status, Status::kTimeout);
-  sensor.pairing.accept();
+  sensor.pairing.tick(sensor.now);
+  sensor.pairing.hold(sensor.now);
   const auto key = client.finish(1s);
   ASSERT_TRUE(key) << key.error().message;
   ASSERT_EQ(sensor.ring.keys().count(), 1U);
