@@ -79,11 +79,13 @@ void PairingServer::hold(std::optional<hal::Time> released_at) noexcept {
 void PairingServer::take(ButtonWatcher& button, hal::Time now) noexcept {
   switch (button.tick(now)) {
     case ButtonWatcher::Meaning::kPress:
-      return press(now);
+      press(now);
+      break;
     case ButtonWatcher::Meaning::kHold:
-      return hold(button.released_at());
+      hold(button.released_at());
+      break;
     case ButtonWatcher::Meaning::kNothing:
-      return;
+      break;
   }
 }
 

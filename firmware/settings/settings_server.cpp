@@ -224,7 +224,7 @@ void SettingsServer::forget_staged() noexcept {
 // Whoever may not set a field may not make it fall back either.
 SettingsServer::Result SettingsServer::read(std::string_view json, const firmware::Requester& by,
                                             Settings& next, FieldSet& named, PagedWriter& notes,
-                                            PagedWriter& why) const noexcept {
+                                            PagedWriter& why) noexcept {
   FellBack fell_back;
   if (!parse(json, next, notes, &named, &fell_back)) {
     why << notes.text();

@@ -119,8 +119,8 @@ class SettingsServer final : public firmware::SettingsService {
   Result change(std::string_view json, const firmware::Requester& by, PagedWriter& why) noexcept;
   Result reset(const firmware::Requester& by, PagedWriter& why) noexcept;
   // Refuses also what falls back and its sender may not set. notes: what falls back.
-  Result read(std::string_view json, const firmware::Requester& by, Settings& next, FieldSet& named,
-              PagedWriter& notes, PagedWriter& why) const noexcept;
+  static Result read(std::string_view json, const firmware::Requester& by, Settings& next,
+                     FieldSet& named, PagedWriter& notes, PagedWriter& why) noexcept;
   // fell_back: something of `next` did, which alone is a change. notes: told where all is well.
   Result become(Settings next, const firmware::Requester& by, bool fell_back, PagedWriter& notes,
                 PagedWriter& why) noexcept;
