@@ -35,8 +35,8 @@ enum class EventKind : std::uint8_t {
   kSupplying,  // component: edges have its frames again
   kStandsOn,   // value: Sensors that the last frames in a row stand on, other ones than before
   kSettingsChanged,  // value: who, as of the condition; former: kNetwork...; address
-  kPairing,     // value: kPairing... of event_values.h; with digits role and address: what is asked
-                // for
+  kPairing,     // value, former: kPairing... of event_values.h; with digits role and address: what
+                // is asked for
   kKeyMade,     // value: its id; role; address: whose
   kKeyRenewed,  // the same
   kKeyEnded,    // the same

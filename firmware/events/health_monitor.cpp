@@ -107,6 +107,9 @@ void HealthMonitor::observe(const Event& event) noexcept {
       observe_release(event);
       break;
     case EventKind::kPairing:
+      if (event.former == kPairingHeldInVain) {
+        break;  // all is as it was
+      }
       if (event.value == kPairingClosed || event.value == kPairingDone) {
         set(wire::Condition::kPairing, false, 0, event.at);
       } else {

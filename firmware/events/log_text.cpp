@@ -159,10 +159,31 @@ void write_change(const Event& event, settings::PagedWriter& out) noexcept {
   }
 }
 
+// To who holds the button.
+const char* vain_hold_text(std::uint32_t state) noexcept {
+  switch (state) {
+    case kPairingOpen:
+      return "no digits are told yet. Let go, wait for the digits, read them, hold again";
+    case kPairingClosed:
+    case kPairingDone:
+      return "there are no digits to accept. A short press opens pairing";
+    default:
+      return "it began before the digits were told. Let go, read the digits, hold again";
+  }
+}
+
 void write_pairing(const Event& event, settings::PagedWriter& out) noexcept {
   const std::uint32_t state = event.value;
+  if (event.former == kPairingHeldInVain) {
+    out << "pairing: the hold of the button counts for nothing: " << vain_hold_text(state);
+    return;
+  }
   if (state == kPairingClosed) {
     out << "pairing has ended without a key";
+    if (event.former == kPairingPressed) {
+      out << ": the button was pressed, or held for less than three seconds. Press it again to "
+             "begin anew";
+    }
     return;
   }
   if (state == kPairingDone) {

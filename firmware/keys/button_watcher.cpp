@@ -21,13 +21,22 @@ ButtonWatcher::Meaning ButtonWatcher::tick(hal::Time now) noexcept {
       told_ = false;
     }
     other_since_.reset();
+    note_released(*pressed, now);
     return ended_untold ? Meaning::kPress : Meaning::kNothing;
   }
+  note_released(*pressed, now);
   if (down_ && !told_ && now - down_since_ >= kHoldTime) {
     told_ = true;
     return Meaning::kHold;
   }
   return Meaning::kNothing;
+}
+
+// What bounces while it is held is no release.
+void ButtonWatcher::note_released(bool pressed, hal::Time now) noexcept {
+  if (!pressed && !down_) {
+    released_at_ = now;
+  }
 }
 
 }  // namespace stof::keys

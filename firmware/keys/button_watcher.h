@@ -21,13 +21,18 @@ class ButtonWatcher {
   // Each press once: kHold as soon as it has lasted kHoldTime, kPress when it ends before. Call it
   // at least ten times a second.
   Meaning tick(hal::Time now) noexcept;
+  // When it was last seen released: what it means began after that. None: never yet.
+  std::optional<hal::Time> released_at() const noexcept { return released_at_; }
 
  private:
+  void note_released(bool pressed, hal::Time now) noexcept;
+
   hal::Button& button_;
   bool down_ = true;  // as it counts
   bool told_ = true;  // what this press means
   std::optional<hal::Time> other_since_;
   hal::Time down_since_{};
+  std::optional<hal::Time> released_at_;
 };
 
 }  // namespace stof::keys

@@ -46,60 +46,115 @@ bool well_formed(const PairRequest& request) noexcept {
 }  // namespace
 
 void PairingServer::open(hal::Time now) noexcept {
-  end(with_digits_);
+  end(attempts_.with_digits());
   open_until_ = now + kWindow;
   opened_by_.reset();
+  pressed_away_ = false;
+}
+
+void PairingServer::press(hal::Time now) noexcept {
+  if (attempts_.with_digits().phase == Phase::kNone ||
+      attempts_.with_digits().phase == Phase::kDone) {
+    open(now);
+    return;
+  }
+  end(attempts_.with_digits());
+  open_until_.reset();
+  pressed_away_ = true;
+}
+
+void PairingServer::hold(std::optional<hal::Time> released_at) noexcept {
+  if (accepted_) {
+    return;
+  }
+  if (digits() && told_at_ && released_at && *released_at >= *told_at_) {
+    accept();
+  } else if (changes_ != nullptr) {
+    firmware::Event vain = state();
+    vain.former = firmware::kPairingHeldInVain;
+    static_cast<void>(changes_->push(vain));
+  }
+}
+
+void PairingServer::take(ButtonWatcher& button, hal::Time now) noexcept {
+  switch (button.tick(now)) {
+    case ButtonWatcher::Meaning::kPress:
+      press(now);
+      break;
+    case ButtonWatcher::Meaning::kHold:
+      hold(button.released_at());
+      break;
+    case ButtonWatcher::Meaning::kNothing:
+      break;
+  }
 }
 
 void PairingServer::accept() noexcept {
-  if (with_digits_.phase == Phase::kRevealed || with_digits_.phase == Phase::kProven) {
-    with_digits_.accepted = true;
-    if (with_digits_.phase == Phase::kProven) {
-      static_cast<void>(finish(with_digits_));
+  if (attempts_.with_digits().phase == Phase::kRevealed ||
+      attempts_.with_digits().phase == Phase::kProven) {
+    accepted_ = true;
+    if (attempts_.with_digits().phase == Phase::kProven) {
+      static_cast<void>(finish(attempts_.with_digits()));
     }
   }
 }
 
-void PairingServer::tick(hal::Time now) noexcept {
+void PairingServer::expire(hal::Time now) noexcept {
   if (open_until_ && now >= *open_until_) {
     open_until_.reset();
-    end(with_digits_);
+    end(attempts_.with_digits());
   }
-  if (with_known_.phase != Phase::kNone && now >= with_known_.until) {
-    end(with_known_);
+  attempts_.expire(now);
+}
+
+// Told here alone: so the button was looked at before, at the same time.
+void PairingServer::tick(hal::Time now) noexcept {
+  expire(now);
+  tell_state(now);
+}
+
+firmware::Event PairingServer::state() const noexcept {
+  firmware::Event event{.kind = firmware::EventKind::kPairing};
+  if (const std::optional<std::uint32_t> told = digits()) {
+    event.value = firmware::kPairingTold + *told;
+    event.role = asked_role();
+    event.address = asked_from();
+  } else if (is_open()) {
+    event.value = firmware::kPairingOpen;
+  } else {
+    event.value = is_done() ? firmware::kPairingDone : firmware::kPairingClosed;
+    event.former = pressed_away_ ? firmware::kPairingPressed : 0;
   }
-  tell_state();
+  return event;
 }
 
 // Each state once. One that finds no room is told by the next tick.
-void PairingServer::tell_state() noexcept {
-  firmware::Event now{.kind = firmware::EventKind::kPairing};
-  if (const std::optional<std::uint32_t> told = digits()) {
-    now.value = firmware::kPairingTold + *told;
-    now.role = asked_role();
-    now.address = asked_from();
-  } else if (is_open()) {
-    now.value = firmware::kPairingOpen;
-  } else {
-    now.value = is_done() ? firmware::kPairingDone : firmware::kPairingClosed;
-  }
-  if (now.value == told_.value && now.role == told_.role && now.address == told_.address) {
+void PairingServer::tell_state(hal::Time now) noexcept {
+  const firmware::Event event = state();
+  const bool untold_digits = digits() && !told_at_;
+  if (event.value == told_.value && event.role == told_.role && event.address == told_.address &&
+      !untold_digits) {
     return;
   }
-  const bool over = told_.value == firmware::kPairingDone && now.value == firmware::kPairingClosed;
-  if (over || changes_ == nullptr || changes_->push(now)) {
-    told_ = now;
+  const bool over =
+      told_.value == firmware::kPairingDone && event.value == firmware::kPairingClosed;
+  if (over || changes_ == nullptr || changes_->push(event)) {
+    told_ = event;
+    if (untold_digits) {
+      told_at_ = now;
+    }
   }
 }
 
 std::optional<std::uint32_t> PairingServer::digits() const noexcept {
-  const bool told = with_digits_.phase == Phase::kRevealed || with_digits_.phase == Phase::kProven;
-  return told ? std::optional(with_digits_.secrets->digits()) : std::nullopt;
+  const bool told = attempts_.with_digits().phase == Phase::kRevealed ||
+                    attempts_.with_digits().phase == Phase::kProven;
+  return told ? std::optional(attempts_.with_digits().secrets()->digits()) : std::nullopt;
 }
 
 PairAnswer PairingServer::serve(const PairRequest& request, PairingWay way, hal::Time now,
                                 const hal::Peer& from) noexcept {
-  tick(now);
+  expire(now);
   if (request.step > wire::PairStep::kAccept) {
     return {.result = PairResult::kWrong};  // of a newer client
   }
@@ -110,13 +165,12 @@ PairAnswer PairingServer::serve(const PairRequest& request, PairingWay way, hal:
     return way == PairingWay::kCable ? serve_cable(request, now)
                                      : PairAnswer{.result = PairResult::kClosed};
   }
-  Attempt& attempt = attempt_of(request.method);
-  if (attempt.phase == Phase::kNone || request.attempt != attempt.number ||
-      request.method != attempt.said.method) {
+  Attempt* const attempt = attempts_.find(request.method, request.attempt);
+  if (attempt == nullptr) {
     return {.result = PairResult::kWrong};
   }
-  return request.step == wire::PairStep::kReveal ? reveal(request, attempt)
-                                                 : confirm(request, attempt, now);
+  return request.step == wire::PairStep::kReveal ? reveal(request, *attempt)
+                                                 : confirm(request, *attempt, now);
 }
 
 PairAnswer PairingServer::serve_cable(const PairRequest& request, hal::Time now) noexcept {
@@ -128,27 +182,28 @@ PairAnswer PairingServer::serve_cable(const PairRequest& request, hal::Time now)
     }
     return window();
   }
-  if (!with_digits_.secrets) {
+  if (attempts_.with_digits().secrets() == nullptr) {
     return {.result = PairResult::kWrong};
   }
   const std::span<const std::byte> value = std::as_bytes(std::span(request.value));
-  if (wire::get_u32(value.first<4>()) != with_digits_.secrets->digits()) {
-    return with_digits_.phase == Phase::kDone ? PairAnswer{.result = PairResult::kWrong}
-                                              : fail(with_digits_, PairResult::kWrong);
+  if (wire::get_u32(value.first<4>()) != attempts_.with_digits().secrets()->digits()) {
+    return attempts_.with_digits().phase == Phase::kDone
+               ? PairAnswer{.result = PairResult::kWrong}
+               : fail(attempts_.with_digits(), PairResult::kWrong);
   }
   accept();
   return window();
 }
 
 PairAnswer PairingServer::window() const noexcept {
-  if (with_digits_.phase == Phase::kDone) {
-    return {.result = PairResult::kOk, .key_id = with_digits_.said.key_id};
+  if (attempts_.with_digits().phase == Phase::kDone) {
+    return {.result = PairResult::kOk, .key_id = attempts_.with_digits().said.key_id};
   }
   const std::optional<std::uint32_t> told = digits();
   if (!told) {
     return {.result = open_until_ ? PairResult::kOk : PairResult::kClosed};
   }
-  PairAnswer out{.result = PairResult::kWaiting, .key_id = with_digits_.said.key_id};
+  PairAnswer out{.result = PairResult::kWaiting, .key_id = attempts_.with_digits().said.key_id};
   wire::put_offer({.digits = *told, .role = asked_role(), .from = asked_from()}, out.value);
   return out;
 }
@@ -168,19 +223,28 @@ bool PairingServer::may_begin(const PairRequest& request, PairingWay way) const 
 }
 
 std::optional<std::span<const std::byte>> PairingServer::known(
-    const wire::PairTranscript& said) const noexcept {
-  if (said.method == PairMethod::kCode && code_) {
+    PairMethod method, std::uint32_t key_id) const noexcept {
+  if (method == PairMethod::kCode && code_) {
     return *code_;
   }
-  if (said.method != PairMethod::kKey) {
+  if (method != PairMethod::kKey) {
     return std::span<const std::byte>{};
   }
-  const wire::Key* const key = ring_.keys().find(said.key_id);
+  const wire::Key* const key = ring_.keys().find(key_id);
   if (key == nullptr) {
     return std::nullopt;
   }
   // A client that never got the last renewal's answer has the one of before.
   return std::span<const std::byte>(key->former ? *key->former : key->secret);
+}
+
+bool PairingServer::proves(const PairRequest& begin, PairingWay way) const noexcept {
+  if (!needs_nobody(begin.method)) {
+    return begin.method == PairMethod::kCable && way == PairingWay::kCable;
+  }
+  const std::optional<std::span<const std::byte>> before = known(begin.method, begin.key_id);
+  return before && wire::equal_secrets(std::as_bytes(std::span(begin.nonce)),
+                                       wire::begin_proof(*before, begin));
 }
 
 PairAnswer PairingServer::begin(const PairRequest& request, PairingWay way, hal::Time now,
@@ -195,20 +259,22 @@ PairAnswer PairingServer::begin(const PairRequest& request, PairingWay way, hal:
   if (needs_nobody(request.method) && !writes_.may_write(renews ? request.key_id : 0, now)) {
     return {.result = PairResult::kLater};
   }
-  Attempt& attempt = attempt_of(request.method);
+  const bool proven = proves(request, way);
+  PairingAttempts::Place& place = attempts_.place_of(request.method, request.key_id, proven);
+  Attempt& attempt = place.attempt;
   const auto commitment = wire::bytes_in<wire::Digest>(request.value);
-  if (attempt.phase == Phase::kBegun && attempt.commitment == commitment) {
-    return answer(attempt, PairResult::kOk);  // it was lost
+  if (attempt.phase != Phase::kNone && attempt.commitment == commitment) {
+    return answer(attempt, PairResult::kOk);  // it was lost, or comes late
   }
   const bool digits = request.method == PairMethod::kDigits;
-  if (attempt.phase != Phase::kNone && (digits || attempt.phase != Phase::kDone)) {
-    if (digits) {  // nobody can tell which of the two is meant
-      open_until_.reset();
-      end(attempt);
-    }
+  const bool under_way = attempt.phase != Phase::kNone && attempt.phase != Phase::kDone;
+  if (digits && attempt.phase != Phase::kNone) {  // nobody can tell which of the two is meant
+    open_until_.reset();
+    end(attempt);
     return {.result = PairResult::kBusy};
   }
-  if (!begins_.take(now)) {
+  // Who has proven it begins anew: what he left, or another program of his.
+  if ((under_way && !proven) || !PairingAttempts::take_begin(place, now)) {
     return {.result = PairResult::kBusy};
   }
   end(attempt);
@@ -223,8 +289,7 @@ PairAnswer PairingServer::begin(const PairRequest& request, PairingWay way, hal:
                   .role = request.role,
                   .name = {}};
   std::ranges::copy(request.name, attempt.said.name.begin());
-  attempt.exchange.emplace();
-  attempt.said.sensor_key = attempt.exchange->public_key();
+  attempt.said.sensor_key = attempt.has.emplace<wire::Exchange>().public_key();
   wire::fill_random(attempt.said.sensor_nonce);
   return answer(attempt, PairResult::kOk);
 }
@@ -237,19 +302,18 @@ PairAnswer PairingServer::reveal(const PairRequest& request, Attempt& attempt) n
     return fail(attempt, PairResult::kWrong);
   }
   if (attempt.phase == Phase::kBegun) {
-    const std::optional<wire::Secret> shared = attempt.exchange->shared_with(said.client_key);
-    const std::optional<std::span<const std::byte>> before = known(said);
+    const std::optional<wire::Secret> shared = attempt.exchange()->shared_with(said.client_key);
+    const std::optional<std::span<const std::byte>> before = known(said.method, said.key_id);
     if (!shared || !before) {
       return fail(attempt, PairResult::kWrong);
     }
     attempt.said = said;
-    attempt.secrets.emplace(said, *shared, *before);
-    attempt.exchange.reset();
+    attempt.has.emplace<wire::PairSecrets>(said, *shared, *before);
     attempt.phase = Phase::kRevealed;
   }
   PairAnswer out = answer(attempt, PairResult::kOk);
   out.value = {};
-  wire::put_bytes(attempt.secrets->sensor_tag(), out.value);
+  wire::put_bytes(attempt.secrets()->sensor_tag(), out.value);
   return out;
 }
 
@@ -257,13 +321,13 @@ PairAnswer PairingServer::confirm(const PairRequest& request, Attempt& attempt,
                                   hal::Time now) noexcept {
   const auto tag = wire::bytes_in<wire::Tag>(request.value);
   if (attempt.phase < Phase::kRevealed ||
-      !wire::equal_secrets(tag, attempt.secrets->client_tag())) {
+      !wire::equal_secrets(tag, attempt.secrets()->client_tag())) {
     return fail(attempt, PairResult::kWrong);
   }
   if (attempt.phase == Phase::kRevealed) {
     attempt.phase = Phase::kProven;
   }
-  if (attempt.said.method == PairMethod::kDigits && !attempt.accepted) {
+  if (attempt.said.method == PairMethod::kDigits && !accepted_) {
     return answer(attempt, PairResult::kWaiting);
   }
   // Only who has proven what he knows uses it up.
@@ -282,7 +346,7 @@ PairAnswer PairingServer::finish(Attempt& attempt) noexcept {
                   .device = sensor_.device_id,
                   .role = attempt.said.role,
                   .name = attempt.said.name,
-                  .secret = attempt.secrets->secret()};
+                  .secret = attempt.secrets()->secret()};
     const Status kept = attempt.said.method == PairMethod::kKey ? ring_.replace(key.id, key.secret)
                                                                 : ring_.add(key);
     wire::wipe(key.secret);
@@ -294,7 +358,7 @@ PairAnswer PairingServer::finish(Attempt& attempt) noexcept {
   }
   PairAnswer out = answer(attempt, PairResult::kOk);
   out.value = {};
-  wire::put_bytes(attempt.secrets->done_tag(), out.value);
+  wire::put_bytes(attempt.secrets()->done_tag(), out.value);
   return out;
 }
 
@@ -322,18 +386,19 @@ PairAnswer PairingServer::fail(Attempt& attempt, PairResult why) noexcept {
   return {.result = why};
 }
 
+void PairingServer::end(Attempt& attempt) noexcept {
+  attempt.end();
+  if (&attempt == &attempts_.with_digits()) {
+    told_at_.reset();
+    accepted_ = false;
+  }
+}
+
 PairAnswer PairingServer::answer(const Attempt& attempt, PairResult result) noexcept {
   PairAnswer out{.result = result, .attempt = attempt.number, .key_id = attempt.said.key_id};
   wire::put_bytes(attempt.said.sensor_key, out.value);
   wire::put_bytes(attempt.said.sensor_nonce, out.nonce);
   return out;
-}
-
-void PairingServer::end(Attempt& attempt) noexcept {
-  attempt.phase = Phase::kNone;
-  attempt.exchange.reset();
-  attempt.secrets.reset();
-  attempt.accepted = false;
 }
 
 }  // namespace stof::keys

@@ -141,12 +141,8 @@ wire::Announce ControlServices::update_announce(hal::Time now) noexcept {
 }
 
 void ControlServices::watch_pairing(hal::Time now) noexcept {
-  using Meaning = keys::ButtonWatcher::Meaning;
-  const Meaning meaning = button_ ? button_->tick(now) : Meaning::kNothing;
-  if (meaning == Meaning::kPress) {
-    parts_.pairing.open(now);
-  } else if (meaning == Meaning::kHold) {
-    parts_.pairing.accept();
+  if (button_) {
+    parts_.pairing.take(*button_, now);
   }
   parts_.pairing.tick(now);
 }

@@ -221,6 +221,22 @@ void SettingsServer::forget_staged() noexcept {
   staged_fell_back_ = false;
 }
 
+// Whoever may not set a field may not make it fall back either.
+SettingsServer::Result SettingsServer::read(std::string_view json, const firmware::Requester& by,
+                                            Settings& next, FieldSet& named, PagedWriter& notes,
+                                            PagedWriter& why) noexcept {
+  FellBack fell_back;
+  if (!parse(json, next, notes, &named, &fell_back)) {
+    why << notes.text();
+    return Result::kInvalid;
+  }
+  if (fell_back.access > by.access) {
+    static_cast<void>(deny(fell_back.path.view(), by.access, fell_back.access, why));
+    return Result::kDenied;
+  }
+  return Result::kOk;
+}
+
 SettingsServer::Result SettingsServer::stage(std::string_view text, const firmware::Requester& by,
                                              PagedWriter& why) noexcept {
   if (!staged_by(by, "stage", why)) {
@@ -228,15 +244,15 @@ SettingsServer::Result SettingsServer::stage(std::string_view text, const firmwa
   }
   Settings next = active_;
   FieldSet named;
-  if (!parse(text, next, why, &named)) {
-    return Result::kInvalid;
+  std::array<char, firmware::kSettingsTextBytes> space;
+  PagedWriter notes(space);
+  if (const Result read_so = read(text, by, next, named, notes, why); read_so != Result::kOk) {
+    return read_so;
   }
-  std::array<char, kWhyBytes> space;
-  PagedWriter refusal(space);
-  if (!permitted(active_, next, by.access, refusal)) {
-    why << (why.text().empty() ? "" : "; ") << refusal.text();
+  if (!permitted(active_, next, by.access, why)) {
     return Result::kDenied;
   }
+  why << notes.text();
   staged_key_ = by.key_id;
   const std::size_t count = field_count();
   for (std::size_t place = 0; place < count; ++place) {
@@ -248,7 +264,7 @@ SettingsServer::Result SettingsServer::stage(std::string_view text, const firmwa
       staged_by_tune_.set(place, by.access < Access::kAdmin);
     }
   }
-  staged_fell_back_ = staged_fell_back_ || !why.text().empty();
+  staged_fell_back_ = staged_fell_back_ || notes.total() > 0;
   return Result::kOk;
 }
 
@@ -261,12 +277,13 @@ SettingsServer::Result SettingsServer::commit(const firmware::Requester& by,
   if (!permitted(active_, with_staged(staged_by_tune_), Access::kTune, why)) {
     return Result::kDenied;
   }
-  const Result result = become(staged(), by, why);
+  std::array<char, kWhyBytes> space;
+  PagedWriter notes(space);
+  const Result result = become(staged(), by, staged_fell_back_, notes, why);
   if (result != Result::kOk) {
     return result;  // what is staged stays
   }
-  overridden_ &= ~staged_fields_;
-  fell_back_ = staged_fell_back_ || fell_back_;
+  name_fields(staged_fields_, by);
   forget_staged();
   return save(by, why);
 }
@@ -323,7 +340,8 @@ void SettingsServer::tick(hal::Time now) noexcept {
   std::array<char, kWhyBytes> space;
   PagedWriter unused(space);
   // Where the loop has not got to the last settings yet it is tried again.
-  if (become(next, {.peer = {}, .now = now, .access = Access::kAdmin}, unused) == Result::kOk &&
+  if (become(next, {.peer = {}, .now = now, .access = Access::kAdmin}, false, unused, unused) ==
+          Result::kOk &&
       parts_.changes != nullptr) {
     static_cast<void>(parts_.changes->push(
         {.kind = firmware::EventKind::kSettingsChanged, .former = firmware::kNetworkTakenBack}));
@@ -381,12 +399,27 @@ SettingsServer::Result SettingsServer::change(std::string_view json, const firmw
                                               PagedWriter& why) noexcept {
   Settings next = active_;
   FieldSet named;
-  if (!parse(json, next, why, &named)) {
-    return Result::kInvalid;
+  std::array<char, firmware::kSettingsTextBytes> space;
+  PagedWriter notes(space);
+  Result result = read(json, by, next, named, notes, why);
+  if (result == Result::kOk) {
+    result = become(next, by, notes.total() > 0, notes, why);
   }
-  const Result result = become(next, by, why);
-  overridden_ &= result == Result::kOk ? ~named : FieldSet().set();
+  if (result == Result::kOk) {
+    name_fields(named, by);
+  }
   return result;
+}
+
+// Who names a field with the value that it has changes nothing: not what a later save writes
+// either, unless the field is his to set.
+void SettingsServer::name_fields(const FieldSet& fields, const firmware::Requester& by) noexcept {
+  const std::size_t count = field_count();
+  for (std::size_t place = 0; place < count; ++place) {
+    if (fields.test(place) && field(place).access <= by.access) {
+      overridden_.reset(place);
+    }
+  }
 }
 
 SettingsServer::Result SettingsServer::reset(const firmware::Requester& by,
@@ -403,37 +436,43 @@ SettingsServer::Result SettingsServer::reset(const firmware::Requester& by,
   Settings next;
   next.udp_port = kept.test(port) ? active_.udp_port : next.udp_port;
   next.network = active_.network;
-  const Result result = become(next, by, why);
-  overridden_ &= result == Result::kOk ? kept : FieldSet().set();
+  std::array<char, kWhyBytes> space;
+  PagedWriter notes(space);
+  const Result result = become(next, by, false, notes, why);
+  if (result == Result::kOk) {
+    name_fields(~kept, by);
+  }
   return result;
 }
 
-// why: of a result of kOk, what fell back.
 SettingsServer::Result SettingsServer::become(Settings next, const firmware::Requester& by,
+                                              bool fell_back, PagedWriter& notes,
                                               PagedWriter& why) noexcept {
-  fit_blocks(next, why);
-  const bool falls_back = !why.text().empty();
-  // Without a file nothing is ever saved: there the last change counts.
-  const bool fell_back = falls_back || (fell_back_ && parts_.store != nullptr);
-  if (next == active_) {
-    fell_back_ = fell_back;
-    return Result::kOk;
-  }
-  std::array<char, kWhyBytes> space;
-  PagedWriter refusal(space);
-  if (!permitted(active_, next, by.access, refusal)) {
-    why << (falls_back ? "; " : "") << refusal.text();
+  // Before blocks are fitted too: what is asked for counts, not what becomes of it.
+  if (!permitted(active_, next, by.access, why)) {
     return Result::kDenied;
   }
-  if (!usable(next, &parts_.limits, refusal)) {
-    why << (falls_back ? "; " : "") << refusal.text();
+  fit_blocks(next, notes);
+  const bool falls_back = fell_back || notes.total() > 0;
+  // Without a file nothing is ever saved: there the last change counts of who may make it fall
+  // back.
+  const bool stays = fell_back_ && (parts_.store != nullptr || by.access < Access::kTune);
+  if (next == active_ && !falls_back) {
+    fell_back_ = stays;
+    return Result::kOk;
+  }
+  if (!permitted(active_, next, by.access, why)) {
+    return Result::kDenied;
+  }
+  if (!usable(next, &parts_.limits, why)) {
     return Result::kInvalid;
   }
   if (!parts_.sink.apply(next, revision_ + 1)) {
     return Result::kBusy;
   }
+  why << notes.text();
   active_ = next;
-  fell_back_ = fell_back;
+  fell_back_ = falls_back || stays;
   ++revision_;
   if (parts_.network != nullptr) {
     parts_.network->change(next.network, by.now);

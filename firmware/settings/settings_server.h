@@ -118,7 +118,14 @@ class SettingsServer final : public firmware::SettingsService {
                        PagedWriter& why) const noexcept;
   Result change(std::string_view json, const firmware::Requester& by, PagedWriter& why) noexcept;
   Result reset(const firmware::Requester& by, PagedWriter& why) noexcept;
-  Result become(Settings next, const firmware::Requester& by, PagedWriter& why) noexcept;
+  // Refuses also what falls back and its sender may not set. notes: what falls back.
+  static Result read(std::string_view json, const firmware::Requester& by, Settings& next,
+                     FieldSet& named, PagedWriter& notes, PagedWriter& why) noexcept;
+  // fell_back: something of `next` did, which alone is a change. notes: told where all is well.
+  Result become(Settings next, const firmware::Requester& by, bool fell_back, PagedWriter& notes,
+                PagedWriter& why) noexcept;
+  // Of these, what the requester may set is saved from now on, though a command line set it.
+  void name_fields(const FieldSet& fields, const firmware::Requester& by) noexcept;
   bool network_runs() const noexcept { return parts_.network != nullptr && parts_.network->runs(); }
   Settings staged() const noexcept { return with_staged(staged_fields_); }
 

@@ -1228,13 +1228,17 @@ class PairRequest(Layout):
     request_id: int = 0  # any number, comes back in the answer
     step: int = 0  # PairStep: see below
     method: int = 0  # PairMethod: see below; the same in all steps, as role, key id and name
-    role: int = 0  # Role: that the key shall have
+    # Role: that the key shall have; a key that is renewed keeps its own, and its name, whatever is
+    # named
+    role: int = 0
     cookie: int = 0  # of an answer; 0: none yet. Not looked at on serial lines
     attempt: int = 0  # of the answer to begin; there 0
     key_id: int = 0  # of method key; else 0
     name: str = ""  # whose key it is
     value: tuple = (0,) * 32  # depends on the step
-    nonce: tuple = (0,) * 16  # of reveal: the client's; of open: of this opening
+    # of reveal: the client's; of open: of this opening; of begin with method code or key: the proof
+    # that the client knows it, see below, or 0
+    nonce: tuple = (0,) * 16
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("request_id", "I", 1),

@@ -579,7 +579,7 @@ layouts.pair_request = {
   {name = "request_id", size = 4, count = 1, kind = "uint32", title = "Request id", base = base.DEC, doc = "any number, comes back in the answer"},
   {name = "step", size = 1, count = 1, kind = "uint8", title = "Step", base = base.DEC, names = "PairStep", doc = "see below"},
   {name = "method", size = 1, count = 1, kind = "uint8", title = "Method", base = base.DEC, names = "PairMethod", doc = "see below; the same in all steps, as role, key id and name"},
-  {name = "role", size = 1, count = 1, kind = "uint8", title = "Role", base = base.DEC, names = "Role", doc = "that the key shall have"},
+  {name = "role", size = 1, count = 1, kind = "uint8", title = "Role", base = base.DEC, names = "Role", doc = "that the key shall have; a key that is renewed keeps its own, and its name, whatever is named"},
   {name = "reserved", size = 1, count = 1, kind = "bytes", title = "Reserved"},
   {name = "cookie", size = 8, count = 1, kind = "uint64", title = "Cookie", base = base.HEX, doc = "of an answer; 0: none yet. Not looked at on serial lines"},
   {name = "attempt", size = 8, count = 1, kind = "uint64", title = "Attempt", base = base.DEC, doc = "of the answer to begin; there 0"},
@@ -587,7 +587,7 @@ layouts.pair_request = {
   {name = "reserved2", size = 4, count = 1, kind = "bytes", title = "Reserved2"},
   {name = "name", size = 32, count = 1, kind = "string", title = "Name", doc = "whose key it is"},
   {name = "value", size = 1, count = 32, kind = "uint8", title = "Value", base = base.DEC, doc = "depends on the step"},
-  {name = "nonce", size = 1, count = 16, kind = "uint8", title = "Nonce", base = base.DEC, doc = "of reveal: the client's; of open: of this opening"},
+  {name = "nonce", size = 1, count = 16, kind = "uint8", title = "Nonce", base = base.DEC, doc = "of reveal: the client's; of open: of this opening; of begin with method code or key: the proof that the client knows it, see below, or 0"},
 }
 
 layouts.pair_answer = {

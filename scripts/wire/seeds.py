@@ -207,6 +207,8 @@ def pairing():
     opened = over_cable | ask
     return {"digits": bytes([0, press, digits, reveal, confirm, hold, confirm]),
             "accepted_first": bytes([0, press, digits, reveal, hold, confirm]),
+            "held_too_early": bytes([0, press, digits, reveal, over_cable | hold, confirm, hold, confirm]),
+            "pressed_away": bytes([0, press, digits, reveal, confirm, press, hold, confirm, press, second | digits, second | reveal, hold]),
             "two": bytes([0, press, digits, second | digits, hold, confirm]),
             "over": bytes([0, press, digits, reveal, confirm, 0xE0 | wait, confirm]),
             "code": bytes([0, code, reveal, confirm, confirm, keys]),

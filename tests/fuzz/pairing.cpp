@@ -31,6 +31,7 @@ constexpr std::size_t kClients = 4;
 
 enum Place : std::uint8_t {
   kOpenedByButton,
+  kEndedByButton,
   kOpenedByCable,
   kWindowOver,
   kBegunDigits,
@@ -41,6 +42,7 @@ enum Place : std::uint8_t {
   kRevealedOther,
   kWaiting,
   kAcceptedFirst,
+  kHeldTooEarly,
   kDoneDigitsButton,
   kDoneDigitsCable,
   kDoneCode,
@@ -57,6 +59,7 @@ enum Place : std::uint8_t {
 };
 constinit const std::array<const char*, kPlaces> kPlaceNames{
     "opened by the button",
+    "ended by the button, with a client",
     "opened by the cable",
     "the two minutes over, with a client",
     "begun with digits",
@@ -67,6 +70,7 @@ constinit const std::array<const char*, kPlaces> kPlaceNames{
     "revealed, without digits",
     "the client's user content, the sensor waits",
     "accepted at the sensor before the client's user",
+    "held since before the digits were told, not accepted",
     "key by digits, accepted with the button",
     "key by digits, accepted over the cable",
     "key by the code",
@@ -130,7 +134,18 @@ struct World {
   keys::PairingServer server{kSensor, ring, kCode};
   std::array<std::optional<Client>, kClients> clients;
   std::vector<Consent> consents;
+  // The digits are told, as the sensor's thread does after each request.
+  void tell() {
+    server.tick(now);
+    if (server.digits() != told) {
+      told = server.digits();
+      told_at = now;
+    }
+  }
+
   hal::Time now{std::chrono::seconds(1000)};
+  std::optional<std::uint32_t> told;
+  hal::Time told_at{};
   bool accepted = false;                                     // the digits of this window
   bool by_cable = false;                                     // and how
   bool renewed = false;                                      // some key, once
@@ -218,6 +233,7 @@ wire::PairAnswer ask(World& world, const wire::PairRequest& request, PairingWay 
   const bool was_open = world.server.is_open();
   const std::optional<std::uint32_t> told = world.server.digits();
   const wire::PairAnswer answer = world.server.serve(request, way, world.now);
+  world.tell();
   const bool of_the_cable =
       request.step == wire::PairStep::kOpen || request.step == wire::PairStep::kAccept;
   if (way == PairingWay::kNetwork) {
@@ -341,28 +357,36 @@ void show_point(World& world, PairMethod method, PairingWay way, std::uint8_t wh
 }
 
 void press(World& world) {
-  world.server.open(world.now);
+  const bool was_told = world.server.digits().has_value();
+  world.server.press(world.now);
+  fuzz::require(!was_told || !world.server.is_open());
+  fuzz::require(!world.server.digits());
+  world.tell();
   world.accepted = false;
   world.by_cable = false;
-  reached().note(kOpenedByButton);
+  reached().note(world.server.is_open() ? kOpenedByButton : kEndedByButton);
 }
 
-void hold(World& world) {
-  if (world.server.digits()) {
+// early: since before anything that was told at this time.
+void hold(World& world, bool early) {
+  const hal::Time released = early ? world.now - std::chrono::milliseconds(1) : world.now;
+  const bool read = world.server.digits() && released >= world.told_at;
+  if (read) {
     world.accepted = true;
     world.by_cable = false;
   }
-  world.server.accept();
+  world.server.hold(released);
   if (world.server.digits()) {
-    reached().note(kAcceptedFirst);
+    reached().note(read ? kAcceptedFirst : kHeldTooEarly);
   }
-  check_keys(world, true);
+  check_keys(world, read);
+  world.tell();
 }
 
 void wait(World& world, std::uint8_t byte) {
   const bool begun = world.server.digits().has_value();
   world.now += std::chrono::seconds(1U << (byte >> 5U));
-  world.server.tick(world.now);
+  world.tell();
   if (begun && !world.server.digits()) {
     reached().note(kWindowOver);
   }
@@ -430,7 +454,7 @@ void step(World& world, std::uint8_t byte, std::span<const std::byte> after) {
     case PairingStep::kPress:
       return press(world);
     case PairingStep::kHold:
-      return hold(world);
+      return hold(world, way == PairingWay::kCable);
     case PairingStep::kWait:
       return wait(world, byte);
     case PairingStep::kKeys:

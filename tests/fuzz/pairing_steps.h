@@ -15,7 +15,7 @@ enum class PairingStep : std::uint8_t {
   kReveal,
   kConfirm,
   kPress,     // the sensor's button
-  kHold,      // likewise
+  kHold,      // likewise; with the cable's bit: it began a moment ago
   kWait,      // 1, 2, 4 ... 128 s, by bits 5 to 7
   kKeys,      // clients 0 and 1: the first key goes; 2 and 3: it has signed
   kRenew,     // the client begins to renew the first key; over the cable: with its newest secret

@@ -17,6 +17,7 @@ namespace {
 constexpr std::array<std::string_view, 7> kLeft{"method", "cost",    "shape",   "directions",
                                                 "band",   "pyramid", "interest"};
 constexpr std::string_view kMatch = "depth.match.";
+constexpr Access kLeftAccess = Access::kTune;  // as such options had
 
 bool has_left(std::string_view path) noexcept {
   return path.starts_with(kMatch) &&
@@ -76,26 +77,39 @@ class DocumentReader final : public JsonVisitor {
  public:
   DocumentReader(Settings& settings, FieldSet& named, PagedWriter& notes, PagedWriter& why) noexcept
       : settings_(settings), named_(named), notes_(notes), why_(why) {}
+  const FellBack& fell_back() const noexcept { return fell_back_; }
 
   bool is_group(std::string_view path) noexcept override { return settings::is_group(path); }
   bool member(std::string_view path, const Value& value) noexcept override {
     const std::size_t place = find_field(path);
+    const std::size_t told = notes_.total();
     if (place == field_count() && has_left(path)) {
       note_left(path, value.text, notes_);
+      note(path, kLeftAccess, told);
       return true;
     }
     if (place == field_count()) {
       return refuse_unknown(path, why_);
     }
     named_.set(place);
-    return take(place, path, value, settings_, notes_, why_);
+    const bool taken = take(place, path, value, settings_, notes_, why_);
+    note(path, field(place).access, told);
+    return taken;
   }
 
  private:
+  // told: of the notes before this member, which adds one where it falls back.
+  void note(std::string_view path, Access access, std::size_t told) noexcept {
+    if (notes_.total() > told && access > fell_back_.access) {
+      fell_back_ = {.access = access, .path = Text<64>(path)};
+    }
+  }
+
   Settings& settings_;
   FieldSet& named_;
   PagedWriter& notes_;  // of fields that fell back: told where nothing is refused
   PagedWriter& why_;
+  FellBack fell_back_;
 };
 
 class DocumentWriter {
@@ -152,8 +166,8 @@ void note_fallback(std::string_view path, std::string_view cause, PagedWriter& n
   note << (before.empty() ? "" : "; ") << path << ": " << cause << ": as the preset has it";
 }
 
-bool parse(std::span<const char> text, Settings& settings, PagedWriter& why,
-           FieldSet* named) noexcept {
+bool parse(std::span<const char> text, Settings& settings, PagedWriter& why, FieldSet* named,
+           FellBack* fell_back) noexcept {
   Settings changed = settings;
   FieldSet fields;
   std::array<char, kWhyBytes> space;
@@ -166,6 +180,9 @@ bool parse(std::span<const char> text, Settings& settings, PagedWriter& why,
   settings = changed;
   if (named != nullptr) {
     *named |= fields;
+  }
+  if (fell_back != nullptr) {
+    *fell_back = reader.fell_back();
   }
   return true;
 }

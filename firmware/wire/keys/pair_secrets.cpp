@@ -33,6 +33,21 @@ Digest commitment_of(const PublicKey& key, const PairNonce& nonce) noexcept {
   return digest_of({}, {purpose("stof pairing 1 commitment"), key, nonce});
 }
 
+PairNonce begin_proof(std::span<const std::byte> known, const PairRequest& begin) noexcept {
+  std::array<std::byte, 16> numbers{};
+  const std::span<std::byte, 16> bytes(numbers);
+  put_u64(bytes.subspan<0, 8>(), begin.cookie);
+  put_u32(bytes.subspan<8, 4>(), begin.key_id);
+  put_u8(bytes.subspan<12, 1>(), static_cast<std::uint8_t>(begin.method));
+  put_u8(bytes.subspan<13, 1>(), static_cast<std::uint8_t>(begin.role));
+  const Digest digest = digest_of(
+      known, {purpose("stof pairing 1 begin"), numbers, std::as_bytes(std::span(begin.name)),
+              std::as_bytes(std::span(begin.value))});
+  PairNonce proof{};
+  std::ranges::copy(std::span(digest).first(proof.size()), proof.begin());
+  return proof;
+}
+
 PairSecrets::PairSecrets(const PairTranscript& transcript, const Secret& shared,
                          std::span<const std::byte> known) noexcept
     : transcript_(digest_of_transcript(transcript)),

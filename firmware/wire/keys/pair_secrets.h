@@ -19,6 +19,10 @@ using PairNonce = std::array<std::byte, 16>;
 // What the client binds itself to before it sees anything of the sensor's.
 Digest commitment_of(const PublicKey& key, const PairNonce& nonce) noexcept;
 
+// In the nonce of begin, of methods code and key: that whoever begins knows what both know. cookie,
+// method, role, key id, name and value of the request count.
+PairNonce begin_proof(std::span<const std::byte> known, const PairRequest& begin) noexcept;
+
 // What both have said.
 struct PairTranscript {
   Origin sensor{};

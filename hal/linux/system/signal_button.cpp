@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::int64_t kPressMs = 300;
 constexpr std::int64_t kHoldMs = 6000;
+constexpr std::chrono::milliseconds kLetGo(1000);  // whoever looks may be busy
 
 constinit std::atomic<std::int64_t> asked_ms{0};
 static_assert(std::atomic<std::int64_t>::is_always_lock_free);  // a signal handler writes it
@@ -37,9 +38,10 @@ SignalButton::SignalButton(Time (*now)() noexcept) noexcept : now_(now) {
 Result<bool> SignalButton::pressed() noexcept {
   const Time now = now_();
   if (const std::int64_t ms = asked_ms.exchange(0, std::memory_order_relaxed); ms > 0) {
-    until_ = now + std::chrono::milliseconds(ms);
+    from_ = now < until_ ? now + kLetGo : now;
+    until_ = from_ + std::chrono::milliseconds(ms);
   }
-  return now < until_;
+  return now >= from_ && now < until_;
 }
 
 std::string SignalButton::usage() {

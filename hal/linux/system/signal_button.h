@@ -8,7 +8,8 @@
 namespace stof::hal::linux {
 
 // The button of a computer that has none: SIGUSR1 presses it for a moment, SIGUSR2 holds it for 6
-// s, longer than anybody has to, as whoever looks may be busy. Whoever may send these signals owns
+// s, longer than anybody has to, as whoever looks may be busy. A signal that finds it pressed lets
+// it go for a second before. Whoever may send these signals owns
 // the process. From construction on; there is one at a time.
 class SignalButton final : public hal::Button {
  public:
@@ -22,6 +23,7 @@ class SignalButton final : public hal::Button {
 
  private:
   Time (*now_)() noexcept;
+  Time from_{};
   Time until_{};
 };
 

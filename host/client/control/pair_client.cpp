@@ -161,6 +161,9 @@ std::expected<wire::PairAnswer, ControlError> PairClient::ask(wire::PairRequest 
   for (int attempt = 0; attempt < options_.attempts;) {
     request.request_id = ++request_id_;
     request.cookie = cookie_;
+    if (request.step == PairStep::kBegin && !wish_.known.empty()) {
+      wire::put_bytes(wire::begin_proof(wish_.known, request), request.nonce);
+    }
     wire::DatagramBuffer buffer;
     wire::encode_pair_request(request,
                               wire::payload_space(buffer).first<wire::kPairRequestBytes>());

@@ -31,20 +31,23 @@ TEST(LogText, EveryEventFitsItsLineAndTakesNoMemory) {
   for (int kind = 0; kind <= kLastEvent; ++kind) {
     for (std::size_t component = 0; component < kComponents; ++component) {
       for (const std::uint32_t value : {0U, 1U, 3U, std::numeric_limits<std::uint32_t>::max()}) {
-        std::array<char, kMostLine> space;
-        settings::PagedWriter line(space);
-        test::heap_forbidden = true;
-        describe({.kind = static_cast<EventKind>(kind),
-                  .component = static_cast<Component>(component),
-                  .status = Status::kInvalidArgument,
-                  .value = value,
-                  .role = wire::Role::kAdmin,
-                  .address = kLongest},
-                 line);
-        test::heap_forbidden = false;
-        EXPECT_TRUE(line.complete()) << line.text();
-        EXPECT_NE(line.text(), "unknown event") << kind;
-        EXPECT_EQ(line.text().find('\n'), std::string_view::npos);
+        for (const std::uint32_t former : {0U, 1U, 2U}) {
+          std::array<char, kMostLine> space;
+          settings::PagedWriter line(space);
+          test::heap_forbidden = true;
+          describe({.kind = static_cast<EventKind>(kind),
+                    .component = static_cast<Component>(component),
+                    .status = Status::kInvalidArgument,
+                    .value = value,
+                    .former = former,
+                    .role = wire::Role::kAdmin,
+                    .address = kLongest},
+                   line);
+          test::heap_forbidden = false;
+          EXPECT_TRUE(line.complete()) << line.text();
+          EXPECT_NE(line.text(), "unknown event") << kind;
+          EXPECT_EQ(line.text().find('\n'), std::string_view::npos);
+        }
       }
     }
   }
@@ -88,6 +91,23 @@ TEST(LogText, SaysWhatChanged) {
       line.ends_with("fdfd:fdfd. Type them into stof pair; only if it accepts them hold "
                      "the button for three seconds"))
       << line;
+}
+
+TEST(LogText, WhoHoldsTheButtonIsToldWhatItDoes) {
+  EXPECT_EQ(text_of({.kind = EventKind::kPairing, .former = kPairingPressed}),
+            "pairing has ended without a key: the button was pressed, or held for less than three "
+            "seconds. Press it again to begin anew");
+  const auto vain = [](std::uint32_t state) {
+    return text_of({.kind = EventKind::kPairing, .value = state, .former = kPairingHeldInVain});
+  };
+  EXPECT_EQ(vain(kPairingTold + 5),
+            "pairing: the hold of the button counts for nothing: it began before the digits were "
+            "told. Let go, read the digits, hold again");
+  EXPECT_TRUE(vain(kPairingOpen)
+                  .ends_with(": no digits are told yet. Let go, wait for the digits, "
+                             "read them, hold again"));
+  EXPECT_TRUE(vain(kPairingClosed)
+                  .ends_with(": there are no digits to accept. A short press opens pairing"));
 }
 
 }  // namespace

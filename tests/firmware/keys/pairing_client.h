@@ -28,6 +28,9 @@ class PairingClient {
   wire::PairRequest begin() {
     wire::PairRequest request = step(wire::PairStep::kBegin);
     wire::put_bytes(wire::commitment_of(said_.client_key, said_.client_nonce), request.value);
+    if (proves_ && !known_.empty()) {
+      wire::put_bytes(wire::begin_proof(known_, request), request.nonce);
+    }
     return request;
   }
   wire::PairRequest reveal(const wire::PairAnswer& begun) {
@@ -45,6 +48,8 @@ class PairingClient {
     wire::put_bytes(secrets().client_tag(), request.value);
     return request;
   }
+  // As clients that are older than the proof in begin.
+  void prove_nothing() { proves_ = false; }
   // Of whoever holds the cable.
   wire::PairRequest open() {
     wire::PairRequest request = step(wire::PairStep::kOpen);
@@ -79,6 +84,7 @@ class PairingClient {
   wire::PairTranscript said_;
   std::span<const std::byte> known_;
   std::uint64_t attempt_ = 0;
+  bool proves_ = true;
 };
 
 }  // namespace stof::test

@@ -23,7 +23,7 @@ TEST_F(PairingServerTest, OnceAKeyIsMadeNobodyKeepsItsClientFromHearingOfIt) {
   server_.open(now_);
   PairingClient owner(kSensor, PairMethod::kDigits, Role::kAdmin);
   ASSERT_EQ(run(owner).result, PairResult::kWaiting);
-  server_.accept();
+  hold();
   ASSERT_EQ(ring_.keys().count(), 1U);
   PairingClient stranger(kSensor, PairMethod::kDigits, Role::kAdmin);
   EXPECT_EQ(ask(stranger.begin()).result, PairResult::kClosed);
@@ -113,16 +113,27 @@ TEST_F(PairingServerTest, AKeyThatIsEndedWhileItIsRenewedIsNotRenewed) {
     ASSERT_EQ(ask(client.begin()).result, PairResult::kOk);
     now_ += 11s;
   }
-  PairingClient ended(kSensor, PairMethod::kKey, Role::kAdmin, numbered_key(1).secret, 1);
-  const PairAnswer begun = ask(ended.begin());
-  ASSERT_EQ(ask(ended.reveal(begun)).result, PairResult::kOk);
-  ASSERT_EQ(ring_.remove(1), Status::kOk);
-  ASSERT_EQ(ring_.add(numbered_key(99)), Status::kOk);
-  PairingClient newcomer(kSensor, PairMethod::kKey, Role::kAdmin, numbered_key(99).secret, 99);
-  EXPECT_EQ(ask(newcomer.begin()).result, PairResult::kBusy);
   const int saves = store_.saves();
-  EXPECT_EQ(ask(ended.confirm()).result, PairResult::kLater);
-  EXPECT_EQ(store_.saves(), saves);
+  std::uint32_t id = 1;
+  // The newcomer's place is that of the key that has gone; clients that show nothing share one.
+  for (const bool proves : {true, false}) {
+    const wire::Key gone = numbered_key(id);
+    const wire::Key next = numbered_key(98 + id);
+    PairingClient ended(kSensor, PairMethod::kKey, Role::kAdmin, gone.secret, gone.id);
+    PairingClient newcomer(kSensor, PairMethod::kKey, Role::kAdmin, next.secret, next.id);
+    if (!proves) {
+      ended.prove_nothing();
+      newcomer.prove_nothing();
+    }
+    ASSERT_EQ(ask(ended.reveal(ask(ended.begin()))).result, PairResult::kOk);
+    ASSERT_EQ(ring_.remove(gone.id), Status::kOk);
+    ASSERT_EQ(ring_.add(next), Status::kOk);
+    EXPECT_EQ(ask(newcomer.begin()).result, proves ? PairResult::kOk : PairResult::kBusy);
+    EXPECT_EQ(ask(ended.confirm()).result, proves ? PairResult::kWrong : PairResult::kLater);
+    EXPECT_EQ(ring_.keys().find(gone.id), nullptr);
+    ++id;
+  }
+  EXPECT_EQ(store_.saves(), saves + 4) << "of the keys that went and came";
 }
 
 }  // namespace

@@ -34,6 +34,11 @@ class PairingServerTest : public testing::Test {
     EXPECT_EQ(wire::bytes_in<wire::Tag>(revealed.value), client.secrets().sensor_tag());
     return ask(client.confirm(), way);
   }
+  // Whoever is at the sensor has read what it tells, and holds the button.
+  void hold() {
+    server_.tick(now_);
+    server_.hold(now_);
+  }
   bool has_key_of(const test::PairingClient& client, std::uint32_t id) const {
     const wire::Key* const key = ring_.keys().find(id);
     return key != nullptr && key->secret == client.secrets().secret();

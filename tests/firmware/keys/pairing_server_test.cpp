@@ -35,7 +35,7 @@ TEST_F(PairingServerTest, ByDigitsTakesThePressAndTheAcceptance) {
   EXPECT_EQ(server_.digits(), client.secrets().digits());
   EXPECT_EQ(ask(client.confirm()).result, PairResult::kWaiting);
   EXPECT_EQ(ring_.pairing(), Pairing::kUnpaired);
-  server_.accept();
+  hold();
   EXPECT_FALSE(server_.digits().has_value());
   const PairAnswer done = ask(client.confirm());
   EXPECT_EQ(done.result, PairResult::kOk);
@@ -51,10 +51,10 @@ TEST_F(PairingServerTest, ByDigitsTakesThePressAndTheAcceptance) {
 
 TEST_F(PairingServerTest, TheSensorMayAcceptBeforeTheClientsUser) {
   server_.open(now_);
-  server_.accept();  // before there are digits it is nothing
+  hold();  // before there are digits it is nothing
   PairingClient client(kSensor, PairMethod::kDigits, Role::kAdmin);
   const PairAnswer begun = ask(client.begin());
-  server_.accept();
+  hold();
   ASSERT_EQ(ask(client.reveal(begun)).result, PairResult::kOk);
   EXPECT_EQ(ask(client.confirm()).result, PairResult::kWaiting);
 
@@ -62,7 +62,7 @@ TEST_F(PairingServerTest, TheSensorMayAcceptBeforeTheClientsUser) {
   PairingClient second(kSensor, PairMethod::kDigits, Role::kAdmin);
   const PairAnswer again = ask(second.begin());
   ASSERT_EQ(ask(second.reveal(again)).result, PairResult::kOk);
-  server_.accept();
+  hold();
   EXPECT_EQ(ring_.keys().count(), 0U);  // the client's user has said nothing
   EXPECT_EQ(ask(second.confirm()).result, PairResult::kOk);
   EXPECT_EQ(ring_.keys().count(), 1U);
@@ -77,7 +77,7 @@ TEST_F(PairingServerTest, TheWindowEndsAfterTwoMinutes) {
   now_ += 1ms;
   EXPECT_EQ(ask(client.confirm()).result, PairResult::kWrong);
   EXPECT_FALSE(server_.is_open());
-  server_.accept();
+  hold();
   EXPECT_EQ(ring_.keys().count(), 0U);
   EXPECT_EQ(ask(client.begin()).result, PairResult::kClosed);
 }
@@ -88,12 +88,12 @@ TEST_F(PairingServerTest, ASecondClientEndsBothAndAPressBeginsAnew) {
   PairingClient second(kSensor, PairMethod::kDigits, Role::kAdmin);
   ASSERT_EQ(run(first).result, PairResult::kWaiting);
   EXPECT_EQ(ask(second.begin()).result, PairResult::kBusy);
-  server_.accept();
+  hold();
   EXPECT_EQ(ask(first.confirm()).result, PairResult::kWrong);
   EXPECT_FALSE(server_.is_open());
   EXPECT_EQ(ring_.keys().count(), 0U);
-  // Who presses again accepts nobody.
-  server_.open(now_);
+  // Who opens again accepts nobody.
+  server_.press(now_);
   ASSERT_EQ(run(first).result, PairResult::kWaiting);
   server_.open(now_);
   EXPECT_EQ(ask(first.confirm()).result, PairResult::kWrong);
@@ -379,7 +379,7 @@ TEST_F(PairingServerTest, WhatIsAskedForIsToldWithTheDigits) {
   EXPECT_EQ(digits->role, Role::kTune);
   EXPECT_EQ(digits->address, own.address);
   EXPECT_FALSE(told());
-  server_.accept();
+  hold();
   ASSERT_EQ(ask(client.confirm()).result, PairResult::kOk);
   EXPECT_EQ(told()->kind, firmware::EventKind::kKeyMade);
   const auto done = told();
@@ -424,7 +424,8 @@ TEST(PairingNoHeap, AllocatesNothing) {
       return server.serve(request, PairingWay::kNetwork, hal::Time(1s));
     };
     static_cast<void>(ask(client.reveal(ask(client.begin()))));
-    server.accept();
+    server.tick(hal::Time(1s));
+    server.hold(hal::Time(1s));
     ASSERT_EQ(ask(client.confirm()).result, PairResult::kOk);
   }
   EXPECT_EQ(test::allocations, before);

@@ -30,6 +30,24 @@ TEST(SignalButton, IsPressedForAMomentByOneSignalAndHeldByTheOther) {
   EXPECT_FALSE(button.pressed().value());
 }
 
+TEST(SignalButton, ASignalThatFindsItPressedLetsItGoBefore) {
+  SignalButton button([]() noexcept { return now; });
+  now += 10s;
+  ASSERT_EQ(std::raise(SIGUSR2), 0);
+  EXPECT_TRUE(button.pressed().value());
+  now += 3s;
+  ASSERT_EQ(std::raise(SIGUSR2), 0);
+  EXPECT_FALSE(button.pressed().value());
+  now += 999ms;
+  EXPECT_FALSE(button.pressed().value());
+  now += 1ms;
+  EXPECT_TRUE(button.pressed().value());
+  now += 5999ms;
+  EXPECT_TRUE(button.pressed().value());
+  now += 1ms;
+  EXPECT_FALSE(button.pressed().value());
+}
+
 TEST(SignalButton, ItsTimePassesByItself) {
   SignalButton button;
   ASSERT_EQ(std::raise(SIGUSR1), 0);

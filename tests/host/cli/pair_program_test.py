@@ -154,13 +154,15 @@ class Pair(unittest.TestCase):
         self.until("no frame", lambda: "publishing" in self.said())
         time.sleep(0.2)  # a button that is held down at the start says nothing
         before = self.said().count("pairing is open")
-        pressed = 0.0
+        pressed, ended = 0.0, self.said().count("Press it again")
 
         def opened():
-            nonlocal pressed
+            nonlocal pressed, ended
             if self.said().count("pairing is open") > before:
                 return True
-            if time.monotonic() - pressed > 5:  # a press of 0.3 s is nothing to who does not look meanwhile
+            # A press of 0.3 s is nothing to who does not look meanwhile, and one that ends an attempt opens nothing.
+            if time.monotonic() - pressed > 5 or self.said().count("Press it again") > ended:
+                ended = self.said().count("Press it again")
                 self.sensor.send_signal(signal.SIGUSR1)
                 pressed = time.monotonic()
             return False

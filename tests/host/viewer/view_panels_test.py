@@ -71,8 +71,12 @@ class Pairing(Panels):
 
     def press(self, sensor):
         before = sensor.text().count("pairing is open")
+        ended = sensor.text().count("Press it again")
         sensor.process.send_signal(signal.SIGUSR1)
-        await_("a window", lambda: sensor.text().count("pairing is open") > before)
+        await_("an answer to the press", lambda: sensor.text().count("pairing is open") > before or sensor.text().count("Press it again") > ended)
+        if sensor.text().count("pairing is open") == before:  # an attempt was under way: it has ended
+            sensor.process.send_signal(signal.SIGUSR1)
+            await_("a window", lambda: sensor.text().count("pairing is open") > before)
 
     def begin(self, page, step, code="", role="admin"):
         """The state once it is that one."""

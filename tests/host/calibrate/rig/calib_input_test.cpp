@@ -1,4 +1,6 @@
 // Wrong input of `stof calib`: one line, the documented code, and nothing is left.
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "dataset/dataset.h"
@@ -84,7 +86,9 @@ TEST_F(CalibRigInput, NothingIsLeftWhereNoSensorAnswers) {
             std::string::npos);
   stereo.page = file("start.cal") / "page.html";
   EXPECT_TRUE(refused(Exit::kBadInput, [&] { calib_stereo(stereo); }).starts_with("--html "));
-  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  const std::string told = testing::internal::GetCapturedStdout();
+  EXPECT_TRUE(told.starts_with("{\"state\":\"subscribing\"")) << told;
+  EXPECT_EQ(std::ranges::count(told, '\n'), 1) << told;
   std::vector<std::string> left;
   for (const auto& entry : std::filesystem::directory_iterator(this->folder())) {
     left.push_back(entry.path().filename());

@@ -12,6 +12,7 @@
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/crc32c.h"
 #include "tests/firmware/control/requests.h"
+#include "tests/firmware/keys/pairing_client.h"
 #include "tests/firmware/keys/some_keys.h"
 
 namespace stof::client {
@@ -99,7 +100,8 @@ TEST(PairClient, ComparesDigitsAndWaitsForTheSensor) {
   ASSERT_TRUE(client.start());
   EXPECT_EQ(client.digits(), sensor.pairing.digits());
   EXPECT_EQ(client.finish(1ms).error().status, Status::kTimeout);
-  sensor.pairing.accept();
+  sensor.pairing.tick(sensor.now);
+  sensor.pairing.hold(sensor.now);
   const auto key = client.finish(1s);
   ASSERT_TRUE(key) << key.error().message;
   ASSERT_EQ(sensor.ring.keys().count(), 1U);
@@ -247,6 +249,35 @@ TEST(PairClient, AKeyGetsANewSecret) {
   EXPECT_EQ(kept.id, key->id);
   EXPECT_EQ(kept.role, key->role);
   EXPECT_EQ(kept.name, key->name);
+}
+
+// A stranger who begins again and again, and knows nothing.
+TEST(PairClient, NobodyWhoKnowsNothingKeepsItFromARenewal) {
+  SensorInMemory sensor;
+  const wire::Key old = test::numbered_key(5, Role::kView);
+  ASSERT_EQ(sensor.ring.add(old), Status::kOk);
+  sensor.to_sensor = [&sensor](Bytes&) {
+    for (const PairMethod method : {PairMethod::kCode, PairMethod::kKey}) {
+      test::PairingClient stranger({.device_id = 1, .session_id = 7}, method, Role::kAdmin, {},
+                                   method == PairMethod::kKey ? 5 : 0);
+      static_cast<void>(
+          sensor.pairing.serve(stranger.begin(), keys::PairingWay::kNetwork, sensor.now));
+    }
+  };
+  PairClient client = client_of(sensor, {.method = PairMethod::kKey,
+                                         .role = old.role,
+                                         .name = std::string(old.name_text()),
+                                         .known = {old.secret.begin(), old.secret.end()},
+                                         .key_id = old.id});
+  const auto started = client.start();
+  ASSERT_TRUE(started) << started.error().message;
+  const auto key = client.finish(1s);
+  ASSERT_TRUE(key) << key.error().message;
+  EXPECT_EQ(sensor.ring.keys().all()[0].secret, key->secret);
+  PairClient by_code = client_of(
+      sensor, {.method = PairMethod::kCode, .name = "ann", .known = {kCode.begin(), kCode.end()}});
+  ASSERT_TRUE(by_code.start());
+  EXPECT_TRUE(by_code.finish(1s));
 }
 
 }  // namespace
