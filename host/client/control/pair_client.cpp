@@ -16,6 +16,18 @@ using wire::PairStep;
 
 constexpr Duration kPoll = std::chrono::milliseconds(200);
 
+constexpr std::string_view wrong_text(PairMethod method) noexcept {
+  switch (method) {
+    case PairMethod::kCode:
+      return "has another code, or somebody is between you: nothing was paired";
+    case PairMethod::kDigits:
+      return "somebody is between you, its button was pressed (a hold of less than 3 seconds is a "
+             "press), or it took too long: nothing was paired";
+    default:
+      return "somebody is between you, or it took too long: nothing was paired";
+  }
+}
+
 }  // namespace
 
 PairClient::PairClient(std::unique_ptr<ControlTransport> transport, PairWish wish,
@@ -240,10 +252,7 @@ std::unexpected<ControlError> PairClient::refuse(PairResult why) const {
                        : "its code made ten keys, it spares its flash: once an hour from now on; "
                          "its button and its cable pair at any time");
     case PairResult::kWrong:
-      return error(Status::kCorrupt,
-                   wish_.method == PairMethod::kCode
-                       ? "has another code, or somebody is between you: nothing was paired"
-                       : "somebody is between you, or it took too long: nothing was paired");
+      return error(Status::kCorrupt, wrong_text(wish_.method));
     default:
       break;
   }
