@@ -82,6 +82,45 @@ wire::RawRequest raw_request(const stof_options& options) noexcept {
           .height = options.raw_part[3]};
 }
 
+// What signs and is believed. False: `why` says why not.
+bool take_keys(const stof_options& options, const std::string& file,
+               client::ReceiverOptions& wanted, std::string& why) {
+  if (options.signed_streams == 0 && options.key_id == 0) {
+    return true;
+  }
+  auto keys = client::read_user_keys(file);
+  if (!keys) {
+    why = keys.error().message;
+    return false;
+  }
+  auto meant =
+      client::meant_sensor(file, *keys, wanted.sensor,
+                           {.device = wanted.reassembler.device_id, .key_id = options.key_id});
+  if (!meant || !meant->doubt.empty()) {
+    why = meant ? "stof_open: " + meant->doubt + " in stof_options::device_id or key_id"
+                : meant.error().message;
+    return false;
+  }
+  wanted.subscription.signed_streams = options.signed_streams != 0;
+  wanted.subscription.keys = meant->keys;
+  wanted.subscription.reread = client::rereading(file);
+  wanted.reassembler.device_id = meant->device;
+  return true;
+}
+
+// Likewise.
+bool take_raw(const stof_options& options, client::ReceiverOptions& wanted, std::string& why) {
+  if (options.raw_pictures == 0) {
+    return true;
+  }
+  if (wanted.sensor.empty() || options.raw_step > kMostRawStep) {
+    why = "stof_open: raw_pictures: takes a sensor to subscribe at, and a raw_step of at most 255";
+    return false;
+  }
+  wanted.subscription.raw = raw_request(options);
+  return true;
+}
+
 }  // namespace
 
 extern "C" {
@@ -115,36 +154,10 @@ stof_status stof_open(const stof_options* options, stof_sensor** sensor, char* w
       wanted.line = *std::move(line);
     }
     const std::string key_file = known->keys == nullptr ? client::user_keys_file() : known->keys;
-    if (known->signed_streams != 0 || known->key_id != 0) {
-      auto keys = client::read_user_keys(key_file);
-      if (!keys) {
-        lib::give_text(keys.error().message, why, why_size);
-        return STOF_BAD_ARGUMENT;
-      }
-      auto meant =
-          client::meant_sensor(key_file, *keys, wanted.sensor,
-                               {.device = wanted.reassembler.device_id, .key_id = known->key_id});
-      if (!meant || !meant->doubt.empty()) {
-        lib::give_text(meant
-                           ? "stof_open: " + meant->doubt + " in stof_options::device_id or key_id"
-                           : meant.error().message,
-                       why, why_size);
-        return STOF_BAD_ARGUMENT;
-      }
-      wanted.subscription.signed_streams = known->signed_streams != 0;
-      wanted.subscription.keys = meant->keys;
-      wanted.subscription.reread = client::rereading(key_file);
-      wanted.reassembler.device_id = meant->device;
-    }
-    if (known->raw_pictures != 0) {
-      if (wanted.sensor.empty() || known->raw_step > kMostRawStep) {
-        lib::give_text(
-            "stof_open: raw_pictures: takes a sensor to subscribe at, and a raw_step of "
-            "at most 255",
-            why, why_size);
-        return STOF_BAD_ARGUMENT;
-      }
-      wanted.subscription.raw = raw_request(*known);
+    if (std::string wrong;
+        !take_keys(*known, key_file, wanted, wrong) || !take_raw(*known, wanted, wrong)) {
+      lib::give_text(wrong, why, why_size);
+      return STOF_BAD_ARGUMENT;
     }
     auto receiver = client::Receiver::open(wanted);
     if (!receiver) {

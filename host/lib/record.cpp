@@ -101,10 +101,9 @@ stof_status stof_record(stof_sensor* sensor, const char* file, const stof_record
       return STOF_BUSY;
     }
     const bool asks = !sensor->sensor.empty() || sensor->line != nullptr;
+    const std::string address = sensor->sensor.empty() ? "sends here" : sensor->sensor;
     lib::Record::Options wanted{.replace = known->replace != 0,
-                                .sensor = sensor->line             ? sensor->line->device()
-                                          : sensor->sensor.empty() ? "sends here"
-                                                                   : sensor->sensor,
+                                .sensor = sensor->line ? sensor->line->device() : address,
                                 .is_signed = sensor->is_signed};
     if (asks) {
       wanted.read = [sensor](bool calibration) { return lib::documents_of(*sensor, calibration); };

@@ -1,6 +1,7 @@
 #include "host/viewer/page_message.h"
 
 #include <algorithm>
+#include <array>
 #include <initializer_list>
 #include <limits>
 #include <set>
@@ -142,69 +143,55 @@ std::optional<Wish> switch_of(const Json& said) {
                                  : std::nullopt;
 }
 
+std::optional<Wish> seek_of(const Json& said) {
+  const auto ms = number_in(said, "to_ms", std::uint64_t{1} << 40);
+  return ms ? std::optional<Wish>(SeekTo{*ms}) : std::nullopt;
+}
+
+template <typename Plain>
+std::optional<Wish> plain(const Json& /*said*/) {
+  return Plain{};
+}
+
+// What a page may ask for.
+struct Asked {
+  std::string_view what;
+  std::array<const char*, 3> members;  // beside do, id and ticket; nullptr: no more
+  std::optional<Wish> (*read)(const Json&);
+};
+constexpr std::array kAsked{
+    Asked{"settings", {}, plain<ReadSettings>},
+    Asked{"set", {"settings"}, change_of},
+    Asked{"save", {}, plain<SaveSettings>},
+    Asked{
+        "faults", {}, [](const Json& /*said*/) { return std::optional<Wish>(GiveFault{"list"}); }},
+    Asked{"fault", {"device", "kind", "edges"}, fault_of},
+    Asked{"record", {"on"}, switch_of<SetRecording>},
+    Asked{"play", {"on"}, switch_of<SetPlaying>},
+    Asked{"seek", {"to_ms"}, seek_of},
+    Asked{"pair", {"code", "role"}, pairing_of},
+    Asked{"digits", {"digits"}, digits_of},
+    Asked{"end_pairing", {}, plain<EndPairing>},
+    Asked{"release", {}, plain<ReadRelease>},
+    Asked{"update", {"file"}, release_of},
+    Asked{"revert", {}, plain<RevertRelease>},
+    Asked{"calibration", {}, plain<ReadCalibration>},
+    Asked{"calibrate", {"board", "goes_on"}, calibration_of},
+    Asked{"end_calibration", {}, plain<EndCalibration>},
+    Asked{"install", {}, plain<InstallCalibration>},
+};
+
+// do, id and ticket are there.
 std::optional<Wish> wish_of(const std::string& what, const Json& said) {
-  const auto has = [&](std::initializer_list<const char*> more) {
-    std::vector<const char*> all{"do", "id", "ticket"};
-    all.insert(all.end(), more);
-    return said.size() == all.size() &&
-           std::ranges::all_of(all, [&](const char* name) { return said.contains(name); });
-  };
-  if (what == "settings" && has({})) {
-    return ReadSettings{};
+  const auto* const asked = std::ranges::find(kAsked, what, &Asked::what);
+  if (asked == kAsked.end()) {
+    return std::nullopt;
   }
-  if (what == "set" && has({"settings"})) {
-    return change_of(said);
-  }
-  if (what == "save" && has({})) {
-    return SaveSettings{};
-  }
-  if (what == "faults" && has({})) {
-    return GiveFault{"list"};
-  }
-  if (what == "fault" && has({"device", "kind", "edges"})) {
-    return fault_of(said);
-  }
-  if (what == "record" && has({"on"})) {
-    return switch_of<SetRecording>(said);
-  }
-  if (what == "play" && has({"on"})) {
-    return switch_of<SetPlaying>(said);
-  }
-  if (what == "seek" && has({"to_ms"})) {
-    const auto ms = number_in(said, "to_ms", std::uint64_t{1} << 40);
-    return ms ? std::optional<Wish>(SeekTo{*ms}) : std::nullopt;
-  }
-  if (what == "pair" && has({"code", "role"})) {
-    return pairing_of(said);
-  }
-  if (what == "digits" && has({"digits"})) {
-    return digits_of(said);
-  }
-  if (what == "end_pairing" && has({})) {
-    return EndPairing{};
-  }
-  if (what == "release" && has({})) {
-    return ReadRelease{};
-  }
-  if (what == "update" && has({"file"})) {
-    return release_of(said);
-  }
-  if (what == "revert" && has({})) {
-    return RevertRelease{};
-  }
-  if (what == "calibration" && has({})) {
-    return ReadCalibration{};
-  }
-  if (what == "calibrate" && has({"board", "goes_on"})) {
-    return calibration_of(said);
-  }
-  if (what == "end_calibration" && has({})) {
-    return EndCalibration{};
-  }
-  if (what == "install" && has({})) {
-    return InstallCalibration{};
-  }
-  return std::nullopt;
+  const auto last = std::ranges::find(asked->members, nullptr);
+  const auto count = static_cast<std::size_t>(last - asked->members.begin());
+  const bool has_all = std::all_of(asked->members.begin(), last,
+                                   [&](const char* name) { return said.contains(name); });
+  return has_all && said.size() == 3 + count ? asked->read(said) : std::nullopt;
 }
 
 std::optional<Request> request_of(const Json& said) {

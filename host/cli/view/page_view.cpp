@@ -60,10 +60,8 @@ void judge_origins(const PageOptions& options) {
   }
 }
 
-}  // namespace
-
-void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
-                    viewer::ViewerOptions shown) {
+// Throws Failure. live: of a sensor.
+void judge(const PageOptions& options, bool live) {
   if (options.lan_control && !options.lan) {
     throw Failure(Exit::kBadInput,
                   "--lan-control: goes with --lan: without it no other machine "
@@ -71,15 +69,22 @@ void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
   }
   judge_origins(options);
   std::error_code error;
-  if (!shown.recording && !std::filesystem::is_directory(options.record_to, error)) {
+  if (live && !std::filesystem::is_directory(options.record_to, error)) {
     throw Failure(Exit::kBadInput, "--record-to: " + options.record_to.string() +
                                        ": is no folder: make it, or give another one");
   }
-  receive_ = &receive;
   if (!options.update_from.empty() && !std::filesystem::is_directory(options.update_from, error)) {
     throw Failure(Exit::kBadInput, "--update-from: " + options.update_from.string() +
                                        ": is no folder: name the one that holds the releases");
   }
+}
+
+}  // namespace
+
+void PageView::open(const PageOptions& options, const ReceiveOptions& receive,
+                    viewer::ViewerOptions shown) {
+  judge(options, !shown.recording);
+  receive_ = &receive;
   DeskOptions desk{.fault_socket = options.fault_socket,
                    .calibrate_in = options.record_to,
                    .calibration_absence = has_calib_rig() ? "" : kRigAbsence,
