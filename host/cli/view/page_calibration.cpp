@@ -41,7 +41,7 @@ std::uint64_t views_in(const std::filesystem::path& folder) {
   for (auto at = std::filesystem::directory_iterator(folder / kViews, error);
        !error && at != std::filesystem::directory_iterator(); at.increment(error)) {
     std::error_code none;
-    count += std::filesystem::is_regular_file(at->path() / "left.pgm", none) ? 1 : 0;
+    count += std::filesystem::is_regular_file(at->path() / "left.pgm", none) ? 1U : 0U;
   }
   return count;
 }
