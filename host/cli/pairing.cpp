@@ -121,7 +121,8 @@ std::string six_digits(std::uint32_t digits) {
 
 std::string other_digits(const std::string& typed, std::uint32_t ours) {
   return typed + " was given, the digits here are " + six_digits(ours) +
-         ": mistyped, or somebody is between you. Nothing was paired";
+         ": mistyped, or somebody is between you. Nothing was paired; to begin again press the "
+         "button until the sensor says that pairing is open (the first press ends this attempt)";
 }
 
 void need_key_room(const std::string& file) {
