@@ -50,17 +50,19 @@ void PairingServer::open(hal::Time now) noexcept {
   open_until_ = now + kWindow;
   opened_by_.reset();
   pressed_away_ = false;
+  cut_until_.reset();
 }
 
 void PairingServer::press(hal::Time now) noexcept {
-  if (attempts_.with_digits().phase == Phase::kNone ||
-      attempts_.with_digits().phase == Phase::kDone) {
+  const Phase phase = attempts_.with_digits().phase;
+  if ((phase == Phase::kNone || phase == Phase::kDone) && !cut_until_) {
     open(now);
     return;
   }
   end(attempts_.with_digits());
   open_until_.reset();
   pressed_away_ = true;
+  cut_until_.reset();
 }
 
 void PairingServer::hold(std::optional<hal::Time> released_at) noexcept {
@@ -104,6 +106,12 @@ void PairingServer::expire(hal::Time now) noexcept {
     open_until_.reset();
     end(attempts_.with_digits());
   }
+  if (cut_until_) {
+    cut_until_ = std::min(*cut_until_, now + kWindow);
+    if (now >= *cut_until_) {
+      cut_until_.reset();
+    }
+  }
   attempts_.expire(now);
 }
 
@@ -132,8 +140,8 @@ firmware::Event PairingServer::state() const noexcept {
 void PairingServer::tell_state(hal::Time now) noexcept {
   const firmware::Event event = state();
   const bool untold_digits = digits() && !told_at_;
-  if (event.value == told_.value && event.role == told_.role && event.address == told_.address &&
-      !untold_digits) {
+  if (event.value == told_.value && event.former == told_.former && event.role == told_.role &&
+      event.address == told_.address && !untold_digits) {
     return;
   }
   const bool over =
@@ -387,8 +395,12 @@ PairAnswer PairingServer::fail(Attempt& attempt, PairResult why) noexcept {
 }
 
 void PairingServer::end(Attempt& attempt) noexcept {
+  const bool was_done = attempt.phase == Phase::kDone;
   attempt.end();
   if (&attempt == &attempts_.with_digits()) {
+    if (told_at_ && !was_done) {
+      cut_until_ = hal::Time::max();  // expire() knows the time
+    }
     told_at_.reset();
     accepted_ = false;
   }

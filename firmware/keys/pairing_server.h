@@ -46,7 +46,9 @@ class PairingServer {
 
   // A new window, and nothing of the last one.
   void open(hal::Time now) noexcept;
-  // The button was pressed: opens, or where a client is at it ends that and closes.
+  // The button was pressed: opens, or where a client is at it ends that and closes. Where digits
+  // were told, and their attempt ended without a key in the last two minutes, it opens nothing the
+  // first time: it may be the hold, too short, of somebody who does not know yet.
   void press(hal::Time now) noexcept;
   // It is held, and was last released then: accepts the digits, if they had been told.
   void hold(std::optional<hal::Time> released_at) noexcept;
@@ -115,8 +117,9 @@ class PairingServer {
   std::optional<wire::PairNonce> opened_by_;  // of the cable's request; none: the button
   bool pressed_away_ = false;                 // the last window
   PairingAttempts attempts_;
-  std::optional<hal::Time> told_at_;  // the digits
-  bool accepted_ = false;             // likewise
+  std::optional<hal::Time> cut_until_;  // a press opens nothing; none: it does
+  std::optional<hal::Time> told_at_;    // the digits
+  bool accepted_ = false;               // likewise
   KeyWriteLimiter writes_;
   firmware::ChangeRing* changes_ = nullptr;
   firmware::Event told_{.kind = firmware::EventKind::kPairing};  // of how pairing stands, the last

@@ -113,6 +113,41 @@ TEST_F(PairingButtonTest, AHoldThatWasTooShortEndsTheAttemptAndOpensNothing) {
   EXPECT_EQ(ask(owner_.confirm()).result, PairResult::kOk);
 }
 
+// Before the press, or between its begin and its end: the owner cannot know.
+TEST_F(PairingButtonTest, AHoldThatWasTooShortOpensNothingWhereAStrangerHasEndedTheAttempt) {
+  for (const bool within : {false, true}) {
+    told_.clear();
+    press_for(300ms);
+    ASSERT_TRUE(server_.is_open());
+    begin(owner_);
+    pass(1s);
+    if (within) {
+      button_.press(2500ms);
+      pass(1s);
+    }
+    ASSERT_EQ(ask(stranger_.begin()).result, PairResult::kBusy);  // both have ended
+    within ? pass(2s) : press_for(2500ms);
+    EXPECT_FALSE(server_.is_open());
+    EXPECT_TRUE(told(kPairingClosed, kPairingPressed));
+    EXPECT_EQ(ask(stranger_.begin()).result, PairResult::kClosed);
+    press_for(3500ms);  // the owner's second, longer hold
+    EXPECT_TRUE(told(kPairingClosed, kPairingHeldInVain));
+    EXPECT_EQ(ring_.keys().count(), 0U);
+  }
+  press_for(300ms);
+  EXPECT_TRUE(server_.is_open());
+}
+
+TEST_F(PairingButtonTest, TwoMinutesAfterAnAttemptThatWasCutAPressOpens) {
+  press_for(300ms);
+  begin(owner_);
+  pass(1s);
+  ASSERT_EQ(ask(stranger_.begin()).result, PairResult::kBusy);
+  pass(PairingServer::kWindow + 1s);
+  press_for(300ms);
+  EXPECT_TRUE(server_.is_open());
+}
+
 TEST_F(PairingButtonTest, APressEndsAnAttemptWhoseDigitsAreNotToldYet) {
   press_for(300ms);
   ASSERT_EQ(ask(stranger_.begin()).result, PairResult::kOk);
