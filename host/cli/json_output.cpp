@@ -1,5 +1,7 @@
 #include "host/cli/json_output.h"
 
+#include <cmath>
+
 #include "host/cli/output.h"
 
 namespace stof::host {
@@ -14,6 +16,10 @@ std::string replaced_text(const nlohmann::ordered_json& json, int indent) {
 
 void add_json_flag(CLI::App& command, bool& json) {
   command.add_flag("--json", json, "A JSON object, and nothing else");
+}
+
+nlohmann::ordered_json number_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
 std::string json_text(const nlohmann::ordered_json& json) { return replaced_text(json, 2); }

@@ -13,6 +13,9 @@ namespace stof::host {
 // --json: one object at the end.
 void add_json_flag(CLI::App& command, bool& json);
 
+// A number that is none (NaN, infinite) is null.
+nlohmann::ordered_json number_or_null(double value);
+
 // Bytes that are no UTF-8 are replaced: texts come from the network and may be anything.
 std::string json_text(const nlohmann::ordered_json& json);
 // One document, indented. Throws Failure as say() does.

@@ -39,8 +39,10 @@ TargetCalibration of_folder(const CalibStereoOptions& options, const TargetOptio
   const std::vector<RefusedView> refused = views.refused;
   dataset::Loaded<TargetCalibration> found = calibrate_target(std::move(views), target);
   if (!found) {
-    for (const RefusedView& view : options.json ? std::vector<RefusedView>() : refused) {
-      std::printf("left out: %s: %s\n", view.name.c_str(), view.why.c_str());
+    if (!options.json) {
+      for (const RefusedView& view : refused) {
+        std::printf("left out: %s: %s\n", view.name.c_str(), view.why.c_str());
+      }
     }
     throw Failure(Exit::kBadInput, options.target.string() + ": " + found.error().message);
   }

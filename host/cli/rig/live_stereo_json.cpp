@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/calibrate/rig/live/corner_cells.h"
+#include "host/cli/json_output.h"
 #include "host/picture/png.h"
 #include "host/report/page/page.h"
 
@@ -11,8 +12,6 @@ namespace stof::host {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 // To a hundredth: nobody draws finer.
 Json places_json(const std::vector<PixelPoint>& corners) {

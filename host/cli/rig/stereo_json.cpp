@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/calibrate/rig/target/lens_model.h"
+#include "host/cli/json_output.h"
 #include "host/text/printed.h"
 
 namespace stof::host {
@@ -36,18 +37,14 @@ ordered_json names_of(const auto& views) {
   return names;
 }
 
-// No number is null, as NaN would be by accident.
-ordered_json known(double value) {
-  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-}
-
 ordered_json chapter_json(const PlaneCalibration::Chapter& chapter) {
-  return {{"genes_rms_mm", chapter.genes.rms_m * kMmPerMetre},
-          {"genes_at_absolute_columns_rms_mm", known(chapter.elsewhere_rms_m * kMmPerMetre)},
-          {"table2_rms_mm", known(chapter.table2_rms_m * kMmPerMetre)},
-          {"table2_best_rms_mm", known(chapter.table2_best_rms_m * kMmPerMetre)},
-          {"table2_best_offset_px", chapter.best_offset_px},
-          {"refined_rms_mm", known(chapter.refined_rms_m * kMmPerMetre)}};
+  return {
+      {"genes_rms_mm", chapter.genes.rms_m * kMmPerMetre},
+      {"genes_at_absolute_columns_rms_mm", number_or_null(chapter.elsewhere_rms_m * kMmPerMetre)},
+      {"table2_rms_mm", number_or_null(chapter.table2_rms_m * kMmPerMetre)},
+      {"table2_best_rms_mm", number_or_null(chapter.table2_best_rms_m * kMmPerMetre)},
+      {"table2_best_offset_px", chapter.best_offset_px},
+      {"refined_rms_mm", number_or_null(chapter.refined_rms_m * kMmPerMetre)}};
 }
 
 std::vector<std::string> warnings_of(const TargetCalibration& found) {
@@ -139,29 +136,30 @@ ordered_json planes_json(const CalibStereoOptions& options, const PlaneCalibrati
   ordered_json told = ordered_json::array();
   for (std::size_t i = 0; i < kPlaneUnknowns; ++i) {
     sigma[i] = fit.sigma(i);
-    told.push_back(known(fit.from_prior[i]));
+    told.push_back(number_or_null(fit.from_prior[i]));
   }
-  ordered_json json{{"file", options.out.string()},
-                    {"folder", options.planes.string()},
-                    {"baseline_m", fit.x[0]},
-                    {"alpha_rad", fit.x[1]},
-                    {"beta_rad", fit.x[2]},
-                    {"f1_m", fit.x[3]},
-                    {"f2_m", fit.x[4]},
-                    {"sigma", sigma},
-                    {"told_sigma", told},
-                    {"covariance", matrix_json(fit.covariance)},
-                    {"constant_m2", triangulation_constant(fit.x)},
-                    {"constant_sigma_m2", fit.constant_sigma},
-                    {"difference_rad", fit.x[1] - fit.x[2]},
-                    {"difference_sigma_rad", fit.difference_sigma},
-                    {"axes_meet_m", known(zero_disparity_m(fit.x))},
-                    {"cell_sigma_px", fit.cell_sigma_px},
-                    {"genes_rms_mm", found.genes.rms_m * kMmPerMetre},
-                    {"genes_s", found.genes.seconds},
-                    {"refined_rms_mm", found.refined_rms_m * kMmPerMetre},
-                    {"spread_mm", known(pooled_spread_m(found.walls, true) * kMmPerMetre)},
-                    {"held_out_mm", known(pooled_spread_m(found.walls, false) * kMmPerMetre)}};
+  ordered_json json{
+      {"file", options.out.string()},
+      {"folder", options.planes.string()},
+      {"baseline_m", fit.x[0]},
+      {"alpha_rad", fit.x[1]},
+      {"beta_rad", fit.x[2]},
+      {"f1_m", fit.x[3]},
+      {"f2_m", fit.x[4]},
+      {"sigma", sigma},
+      {"told_sigma", told},
+      {"covariance", matrix_json(fit.covariance)},
+      {"constant_m2", triangulation_constant(fit.x)},
+      {"constant_sigma_m2", fit.constant_sigma},
+      {"difference_rad", fit.x[1] - fit.x[2]},
+      {"difference_sigma_rad", fit.difference_sigma},
+      {"axes_meet_m", number_or_null(zero_disparity_m(fit.x))},
+      {"cell_sigma_px", fit.cell_sigma_px},
+      {"genes_rms_mm", found.genes.rms_m * kMmPerMetre},
+      {"genes_s", found.genes.seconds},
+      {"refined_rms_mm", found.refined_rms_m * kMmPerMetre},
+      {"spread_mm", number_or_null(pooled_spread_m(found.walls, true) * kMmPerMetre)},
+      {"held_out_mm", number_or_null(pooled_spread_m(found.walls, false) * kMmPerMetre)}};
   json["walls"] = ordered_json::array();
   for (const WallJudgement& wall : found.walls) {
     json["walls"].push_back({{"name", wall.name},
