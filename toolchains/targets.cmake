@@ -97,6 +97,12 @@ add_custom_target(stof_kernel_tests)
 # has loops of its own. What is tested keeps its own optimisation.
 set(STOF_TEST_OPTIONS -O0)
 set(STOF_LABELLED_TEST_OPTIONS -O1)
+# Nor do they tell lines but where sanitizers print them.
+string(TOUPPER "${CMAKE_BUILD_TYPE}" STOF_BUILD_TYPE)
+if(NOT CMAKE_CXX_FLAGS_${STOF_BUILD_TYPE} MATCHES "-fsanitize")
+  list(APPEND STOF_TEST_OPTIONS -g0)
+  list(APPEND STOF_LABELLED_TEST_OPTIONS -g0)
+endif()
 
 # stof_add_test(NAME sad_test SOURCES ... LIBRARIES ... [LABELS kernel]): a GoogleTest program whose
 # cases ctest runs one by one, through the emulator where the build is a cross build.
