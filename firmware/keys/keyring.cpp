@@ -71,7 +71,7 @@ Status Keyring::remove(std::uint32_t id) noexcept {
   return next.remove(id) ? become(next) : Status::kInvalidArgument;
 }
 
-Status Keyring::replace(std::uint32_t id, const wire::Secret& secret) noexcept {
+Status Keyring::replace(std::uint32_t id, const wire::Secret& secret, Shown shown) noexcept {
   const wire::Key* const old = keys_.find(id);
   if (old == nullptr) {
     return Status::kInvalidArgument;
@@ -79,8 +79,9 @@ Status Keyring::replace(std::uint32_t id, const wire::Secret& secret) noexcept {
   wire::KeyTable next;
   for (wire::Key key : keys_.all()) {
     if (key.id == id) {
-      // Renewed again before the last one has signed: that one is forgotten.
-      key.former = key.former.value_or(key.secret);
+      // Renewed again by whoever has the one of before: the last one never arrived, and is
+      // forgotten.
+      key.former = shown == Shown::kFormer ? key.former.value_or(key.secret) : key.secret;
       key.secret = secret;
     }
     static_cast<void>(next.add(key));

@@ -19,6 +19,9 @@ enum class Pairing : std::uint8_t {
   kLost,  // there are keys that cannot be read: nobody's key is known, and nobody is let in instead
 };
 
+// Which secret of a renewed key somebody has shown, while it has two: kNewest also settles it.
+enum class Shown : std::uint8_t { kNewest, kFormer };
+
 // The sensor's keys, in memory and where they are kept. What was not saved is not in force. For one
 // thread; allocates nothing; wipes what it read and wrote.
 class Keyring {
@@ -37,8 +40,9 @@ class Keyring {
   Status add(const wire::Key& key) noexcept;
   // kInvalidArgument: there is no such key. Without its last key the sensor is unpaired.
   Status remove(std::uint32_t id) noexcept;
-  // The same key with another secret; the one of before holds too, until settle().
-  Status replace(std::uint32_t id, const wire::Secret& secret) noexcept;
+  // The same key with another secret; the one that was shown for it holds too, until settle().
+  Status replace(std::uint32_t id, const wire::Secret& secret,
+                 Shown shown = Shown::kFormer) noexcept;
 
   // The new secret of a renewed key has signed: the one of before is none any more. Where that
   // cannot be saved, it is again at the next start.

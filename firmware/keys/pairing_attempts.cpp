@@ -1,10 +1,20 @@
 #include "firmware/keys/pairing_attempts.h"
 
 #include <algorithm>
+#include <span>
+#include <string_view>
+
+#include "firmware/wire/bytes.h"
 
 namespace stof::keys {
 
 using wire::PairMethod;
+
+std::uint64_t mark_of(const wire::Secret& secret) noexcept {
+  constexpr std::string_view kWhat = "stof secret's mark";
+  const wire::Digest digest = wire::digest_of(secret, {std::as_bytes(std::span(kWhat))});
+  return wire::get_u64(std::span(digest).first<8>());
+}
 
 void PairingAttempt::end() noexcept {
   phase = Phase::kNone;
@@ -60,11 +70,12 @@ void PairingAttempts::each_known(Action action) noexcept {
   }
 }
 
-PairingAttempt* PairingAttempts::find(PairMethod method, std::uint64_t number) noexcept {
+PairingAttempt* PairingAttempts::find(PairMethod method, std::uint64_t number,
+                                      const std::array<std::uint8_t, 16>& from) noexcept {
   PairingAttempt* found = nullptr;
   const auto look = [&](PairingAttempt& attempt) {
     if (attempt.phase != PairingAttempt::Phase::kNone && attempt.number == number &&
-        attempt.said.method == method) {
+        attempt.said.method == method && attempt.from == from) {
       found = &attempt;
     }
   };

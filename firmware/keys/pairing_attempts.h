@@ -12,6 +12,9 @@
 
 namespace stof::keys {
 
+// By which one secret is told from another, without a copy of it. Says nothing about it.
+std::uint64_t mark_of(const wire::Secret& secret) noexcept;
+
 // One client on its way to a key.
 struct PairingAttempt {
   enum class Phase : std::uint8_t { kNone, kBegun, kRevealed, kProven, kDone };
@@ -19,7 +22,8 @@ struct PairingAttempt {
   Phase phase = Phase::kNone;
   std::uint64_t number = 0;
   hal::Time until{};
-  std::array<std::uint8_t, 16> from{};  // of who began it
+  std::array<std::uint8_t, 16> from{};  // of who began it, from where all its steps come
+  std::uint64_t stands_on = 0;          // of method key: mark_of() the secret that both know
   wire::Digest commitment{};
   wire::PairTranscript said{};
   // Before both have revealed, and after.
@@ -57,8 +61,10 @@ class PairingAttempts {
   Place& place_of(wire::PairMethod method, std::uint32_t key_id, bool proven) noexcept;
   // Whether one may begin there now; if so, it counts.
   static bool take_begin(Place& place, hal::Time now) noexcept;
-  // That goes on, with that number; nullptr: there is none.
-  PairingAttempt* find(wire::PairMethod method, std::uint64_t number) noexcept;
+  // That goes on, with that number, of a client there; nullptr: there is none. Who overhears the
+  // number ends nothing from his own address.
+  PairingAttempt* find(wire::PairMethod method, std::uint64_t number,
+                       const std::array<std::uint8_t, 16>& from) noexcept;
   // Ends those whose time is over; with digits there is none.
   void expire(hal::Time now) noexcept;
 

@@ -173,9 +173,10 @@ PairAnswer PairingServer::serve(const PairRequest& request, PairingWay way, hal:
     return way == PairingWay::kCable ? serve_cable(request, now)
                                      : PairAnswer{.result = PairResult::kClosed};
   }
-  Attempt* const attempt = attempts_.find(request.method, request.attempt);
+  Attempt* const attempt = attempts_.find(request.method, request.attempt, from.address);
   if (attempt == nullptr) {
-    return {.result = PairResult::kWrong};
+    const bool full = request.attempt != 0 && request.attempt == not_kept_;
+    return {.result = full ? PairResult::kFull : PairResult::kWrong};
   }
   return request.step == wire::PairStep::kReveal ? reveal(request, *attempt)
                                                  : confirm(request, *attempt, now);
@@ -190,11 +191,16 @@ PairAnswer PairingServer::serve_cable(const PairRequest& request, hal::Time now)
     }
     return window();
   }
+  const std::span<const std::byte> value = std::as_bytes(std::span(request.value));
+  const std::uint32_t digits = wire::get_u32(value.first<4>());
   if (attempts_.with_digits().secrets() == nullptr) {
+    if (digits >= wire::kDigitsEnd) {  // whoever opened gives up
+      open_until_.reset();
+      end(attempts_.with_digits());
+    }
     return {.result = PairResult::kWrong};
   }
-  const std::span<const std::byte> value = std::as_bytes(std::span(request.value));
-  if (wire::get_u32(value.first<4>()) != attempts_.with_digits().secrets()->digits()) {
+  if (digits != attempts_.with_digits().secrets()->digits()) {
     return attempts_.with_digits().phase == Phase::kDone
                ? PairAnswer{.result = PairResult::kWrong}
                : fail(attempts_.with_digits(), PairResult::kWrong);
@@ -231,28 +237,39 @@ bool PairingServer::may_begin(const PairRequest& request, PairingWay way) const 
 }
 
 std::optional<std::span<const std::byte>> PairingServer::known(
-    PairMethod method, std::uint32_t key_id) const noexcept {
-  if (method == PairMethod::kCode && code_) {
+    const Attempt& attempt) const noexcept {
+  if (attempt.said.method == PairMethod::kCode && code_) {
     return *code_;
   }
-  if (method != PairMethod::kKey) {
+  if (attempt.said.method != PairMethod::kKey) {
     return std::span<const std::byte>{};
   }
-  const wire::Key* const key = ring_.keys().find(key_id);
-  if (key == nullptr) {
-    return std::nullopt;
+  const wire::Key* const key = ring_.keys().find(attempt.said.key_id);
+  if (key != nullptr && mark_of(key->secret) == attempt.stands_on) {
+    return key->secret;
   }
-  // A client that never got the last renewal's answer has the one of before.
-  return std::span<const std::byte>(key->former ? *key->former : key->secret);
+  if (key != nullptr && key->former && mark_of(*key->former) == attempt.stands_on) {
+    return *key->former;
+  }
+  return std::nullopt;
 }
 
-bool PairingServer::proves(const PairRequest& begin, PairingWay way) const noexcept {
-  if (!needs_nobody(begin.method)) {
-    return begin.method == PairMethod::kCable && way == PairingWay::kCable;
+PairingServer::Claim PairingServer::claim_of(const PairRequest& begin,
+                                             PairingWay way) const noexcept {
+  const auto shows = [&begin](std::span<const std::byte> known) {
+    return wire::equal_secrets(std::as_bytes(std::span(begin.nonce)),
+                               wire::begin_proof(known, begin));
+  };
+  const wire::Key* const key = ring_.keys().find(begin.key_id);
+  if (begin.method == PairMethod::kKey && key != nullptr) {
+    // A client that never got the last renewal's answer has the secret of before. So has one that
+    // is older than the proof.
+    const bool newest = shows(key->secret);
+    const wire::Secret& secret = newest || !key->former ? key->secret : *key->former;
+    return {.proven = newest || shows(secret), .stands_on = mark_of(secret)};
   }
-  const std::optional<std::span<const std::byte>> before = known(begin.method, begin.key_id);
-  return before && wire::equal_secrets(std::as_bytes(std::span(begin.nonce)),
-                                       wire::begin_proof(*before, begin));
+  const bool holds = begin.method == PairMethod::kCable && way == PairingWay::kCable;
+  return {.proven = holds || (begin.method == PairMethod::kCode && code_ && shows(*code_))};
 }
 
 PairAnswer PairingServer::begin(const PairRequest& request, PairingWay way, hal::Time now,
@@ -264,11 +281,14 @@ PairAnswer PairingServer::begin(const PairRequest& request, PairingWay way, hal:
     return {.result = PairResult::kClosed};
   }
   const bool renews = request.method == PairMethod::kKey;
+  if (!renews && ring_.keys().count() >= kMostKeys) {
+    return {.result = PairResult::kFull};
+  }
   if (needs_nobody(request.method) && !writes_.may_write(renews ? request.key_id : 0, now)) {
     return {.result = PairResult::kLater};
   }
-  const bool proven = proves(request, way);
-  PairingAttempts::Place& place = attempts_.place_of(request.method, request.key_id, proven);
+  const Claim claim = claim_of(request, way);
+  PairingAttempts::Place& place = attempts_.place_of(request.method, request.key_id, claim.proven);
   Attempt& attempt = place.attempt;
   const auto commitment = wire::bytes_in<wire::Digest>(request.value);
   if (attempt.phase != Phase::kNone && attempt.commitment == commitment) {
@@ -282,13 +302,14 @@ PairAnswer PairingServer::begin(const PairRequest& request, PairingWay way, hal:
     return {.result = PairResult::kBusy};
   }
   // Who has proven it begins anew: what he left, or another program of his.
-  if ((under_way && !proven) || !PairingAttempts::take_begin(place, now)) {
+  if ((under_way && !claim.proven) || !PairingAttempts::take_begin(place, now)) {
     return {.result = PairResult::kBusy};
   }
   end(attempt);
   attempt.phase = Phase::kBegun;
   attempt.number = random_number();
   attempt.from = from.address;
+  attempt.stands_on = claim.stands_on;
   attempt.until = now + kKnownTime;
   attempt.commitment = commitment;
   attempt.said = {.sensor = sensor_,
@@ -311,7 +332,7 @@ PairAnswer PairingServer::reveal(const PairRequest& request, Attempt& attempt) n
   }
   if (attempt.phase == Phase::kBegun) {
     const std::optional<wire::Secret> shared = attempt.exchange()->shared_with(said.client_key);
-    const std::optional<std::span<const std::byte>> before = known(said.method, said.key_id);
+    const std::optional<std::span<const std::byte>> before = known(attempt);
     if (!shared || !before) {
       return fail(attempt, PairResult::kWrong);
     }
@@ -338,6 +359,9 @@ PairAnswer PairingServer::confirm(const PairRequest& request, Attempt& attempt,
   if (attempt.said.method == PairMethod::kDigits && !accepted_) {
     return answer(attempt, PairResult::kWaiting);
   }
+  if (attempt.phase == Phase::kProven && !known(attempt)) {
+    return fail(attempt, PairResult::kWrong);  // the key got another secret, or its end, since
+  }
   // Only who has proven what he knows uses it up.
   const bool renews = attempt.said.method == PairMethod::kKey;
   if (attempt.phase == Phase::kProven && needs_nobody(attempt.said.method) &&
@@ -349,16 +373,13 @@ PairAnswer PairingServer::confirm(const PairRequest& request, Attempt& attempt,
 
 // Both ends have agreed. Repeated, it says so again.
 PairAnswer PairingServer::finish(Attempt& attempt) noexcept {
-  if (attempt.phase != Phase::kDone) {
-    wire::Key key{.id = attempt.said.key_id,
-                  .device = sensor_.device_id,
-                  .role = attempt.said.role,
-                  .name = attempt.said.name,
-                  .secret = attempt.secrets()->secret()};
-    const Status kept = attempt.said.method == PairMethod::kKey ? ring_.replace(key.id, key.secret)
-                                                                : ring_.add(key);
-    wire::wipe(key.secret);
-    if (kept != Status::kOk) {
+  if (attempt.phase == Phase::kDone) {
+    if (ring_.keys().find(attempt.said.key_id) == nullptr) {
+      return {.result = PairResult::kClosed};  // somebody has ended it since
+    }
+  } else {
+    if (keep(attempt) != Status::kOk) {
+      not_kept_ = attempt.number;
       return fail(attempt, PairResult::kFull);
     }
     attempt.phase = Phase::kDone;
@@ -368,6 +389,24 @@ PairAnswer PairingServer::finish(Attempt& attempt) noexcept {
   out.value = {};
   wire::put_bytes(attempt.secrets()->done_tag(), out.value);
   return out;
+}
+
+// A key that is renewed is there, with the secret that was shown: see confirm().
+Status PairingServer::keep(const Attempt& attempt) noexcept {
+  wire::Key key{.id = attempt.said.key_id,
+                .device = sensor_.device_id,
+                .role = attempt.said.role,
+                .name = attempt.said.name,
+                .secret = attempt.secrets()->secret()};
+  Status kept = Status::kOk;
+  if (attempt.said.method == PairMethod::kKey) {
+    const bool newest = mark_of(ring_.keys().find(key.id)->secret) == attempt.stands_on;
+    kept = ring_.replace(key.id, key.secret, newest ? Shown::kNewest : Shown::kFormer);
+  } else {
+    kept = ring_.add(key);
+  }
+  wire::wipe(key.secret);
+  return kept;
 }
 
 void PairingServer::tell(const Attempt& attempt) noexcept {

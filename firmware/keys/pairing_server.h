@@ -92,17 +92,21 @@ class PairingServer {
   wire::PairAnswer window() const noexcept;
   // Whether a client may begin so, now.
   bool may_begin(const wire::PairRequest& request, PairingWay way) const noexcept;
-  // What both knew before; none: that cannot be.
-  std::optional<std::span<const std::byte>> known(wire::PairMethod method,
-                                                  std::uint32_t key_id) const noexcept;
-  // Whether its sender shows at once that he knows it, or holds the cable.
-  bool proves(const wire::PairRequest& begin, PairingWay way) const noexcept;
+  // What whoever begins shows of himself.
+  struct Claim {
+    bool proven = false;          // that he knows what both know, or holds the cable
+    std::uint64_t stands_on = 0;  // as in PairingAttempt
+  };
+  Claim claim_of(const wire::PairRequest& begin, PairingWay way) const noexcept;
+  // What both knew before; none: the sensor does not any more.
+  std::optional<std::span<const std::byte>> known(const Attempt& attempt) const noexcept;
   wire::PairAnswer begin(const wire::PairRequest& request, PairingWay way, hal::Time now,
                          const hal::Peer& from) noexcept;
   wire::PairAnswer reveal(const wire::PairRequest& request, Attempt& attempt) noexcept;
   wire::PairAnswer confirm(const wire::PairRequest& request, Attempt& attempt,
                            hal::Time now) noexcept;
   wire::PairAnswer finish(Attempt& attempt) noexcept;
+  Status keep(const Attempt& attempt) noexcept;
   void tell(const Attempt& attempt) noexcept;
   firmware::Event state() const noexcept;
   void tell_state(hal::Time now) noexcept;
@@ -116,6 +120,7 @@ class PairingServer {
   std::optional<hal::Time> open_until_;
   std::optional<wire::PairNonce> opened_by_;  // of the cable's request; none: the button
   bool pressed_away_ = false;                 // the last window
+  std::uint64_t not_kept_ = 0;                // number of the last attempt whose key was not
   PairingAttempts attempts_;
   std::optional<hal::Time> cut_until_;  // a press opens nothing; none: it does
   std::optional<hal::Time> told_at_;    // the digits

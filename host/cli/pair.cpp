@@ -26,6 +26,7 @@
 #include "host/cli/output.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/pairing.h"
+#include "host/cli/stop_signal.h"
 #include "host/client/control/pair_client.h"
 #include "host/client/control/user_keys.h"
 #include "host/text/printed.h"
@@ -33,6 +34,8 @@
 
 namespace stof::host {
 namespace {
+
+constexpr std::size_t kDigits = 6;
 
 std::string own_name(const PairOptions& options) {
   return options.name.empty() ? user_and_host() : options.name;
@@ -87,6 +90,9 @@ void compare_digits(std::uint32_t ours, const PairOptions& options) {
                  "Type the six digits that the sensor tells (its log, its serial line): ");
     std::fflush(talk(options));
     std::getline(std::cin, told);
+  }
+  if (asked_to_stop()) {
+    throw Failure(Exit::kFailure, "pair: was given up: nothing was paired");
   }
   const std::string typed = digits_in(told);
   if (typed.empty()) {
@@ -213,6 +219,7 @@ void pair_with(const PairOptions& options, const std::string& file) {
   Pairing pairing(std::move(terms), wish_of(options));
   pairing.start();
   if (pairing.by_digits()) {
+    stop_on_signals();
     compare_digits(pairing.digits(), options);
     std::fprintf(
         talk(options),
@@ -220,7 +227,7 @@ void pair_with(const PairOptions& options, const std::string& file) {
         "them where stof pair --window asks.\n");
     std::fflush(talk(options));
   }
-  const wire::Key key = pairing.finish(std::chrono::minutes(2));
+  const wire::Key key = pairing.finish(std::chrono::minutes(2), [] { return !asked_to_stop(); });
   say_kept(options, key, file, older_keys(value_or_fail(client::read_user_keys(file)), key));
 }
 
@@ -243,7 +250,6 @@ std::string asked_text(const wire::PairOffer& offer) {
 // Whoever holds the cable stands for the button. He types the digits once more: who only has to say
 // yes says it before the other end has compared them.
 std::uint32_t accepted_digits(const PairOptions& options, const wire::PairOffer& told) {
-  constexpr std::uint32_t kNone = 1'000'000;
   const std::string wanted = six_digits(told.digits);
   std::fprintf(
       talk(options),
@@ -253,7 +259,7 @@ std::uint32_t accepted_digits(const PairOptions& options, const wire::PairOffer&
   std::fflush(talk(options));
   std::string typed;
   std::getline(std::cin, typed);
-  return digits_in(typed) == wanted ? told.digits : kNone;
+  return digits_in(typed) == wanted ? told.digits : wire::kDigitsEnd;  // which ends it
 }
 
 void open_window(const PairOptions& options) {
@@ -267,7 +273,11 @@ void open_window(const PairOptions& options) {
   std::fprintf(talk(options),
                "Pairing is open for two minutes: now stof pair SENSOR, where the key shall be.\n");
   std::fflush(talk(options));
+  stop_on_signals();
   for (bool asked = false; window.key_id == 0;) {
+    if (asked_to_stop()) {
+      throw Failure(Exit::kFailure, "pair: was given up: the two minutes have ended");
+    }
     if (window.offer && !asked) {
       asked = true;
       window = value_or_end(client.accept(accepted_digits(options, *window.offer)));
@@ -316,6 +326,9 @@ void pair_into(const PairOptions& options, const std::string& own) {
 
 void pair(const PairOptions& options) {
   need_crypto();
+  if (!options.digits.empty() && digits_in(options.digits).size() != kDigits) {
+    throw Failure(Exit::kBadInput, "--digits: takes the six digits that the sensor tells");
+  }
   const std::string own = keys_file(options.keys);
   if (!options.into.empty()) {
     pair_into(options, own);

@@ -173,7 +173,8 @@ class PairStep(enum.IntEnum):
     # button does. `nonce`: random, of this opening; repeated with it, tells how they stand
     OPEN = 3
     # over such a line: accepts the digits that `value` begins with (u32), as the button does that
-    # is held; other digits end the attempt
+    # is held; other digits end the attempt, and 1,000,000 the two minutes also where nobody has
+    # come
     ACCEPT = 4
 
 
@@ -197,8 +198,8 @@ class PairResult(enum.IntEnum):
     # somebody else pairs too: with digits both have ended, and the button has to be pressed again;
     # else try again
     BUSY = 3
-    # the commitment or the tag does not fit, role or name are none, or nothing was begun: it has
-    # ended
+    # the commitment or the tag does not fit, role or name are none, the secret that was shown is
+    # none of the key's any more, or nothing was begun from this address: it has ended
     WRONG = 4
     # of confirm: nobody has accepted the digits at the sensor yet; of open and accept: somebody has
     # come, one of both ends has not agreed yet
@@ -1227,7 +1228,8 @@ class PairRequest(Layout):
 
     request_id: int = 0  # any number, comes back in the answer
     step: int = 0  # PairStep: see below
-    method: int = 0  # PairMethod: see below; the same in all steps, as role, key id and name
+    # PairMethod: see below; the same in all steps. Role, key id and name count at begin
+    method: int = 0
     # Role: that the key shall have; a key that is renewed keeps its own, and its name, whatever is
     # named
     role: int = 0

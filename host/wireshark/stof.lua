@@ -578,7 +578,7 @@ layouts.pair_request = {
   bytes = 112,
   {name = "request_id", size = 4, count = 1, kind = "uint32", title = "Request id", base = base.DEC, doc = "any number, comes back in the answer"},
   {name = "step", size = 1, count = 1, kind = "uint8", title = "Step", base = base.DEC, names = "PairStep", doc = "see below"},
-  {name = "method", size = 1, count = 1, kind = "uint8", title = "Method", base = base.DEC, names = "PairMethod", doc = "see below; the same in all steps, as role, key id and name"},
+  {name = "method", size = 1, count = 1, kind = "uint8", title = "Method", base = base.DEC, names = "PairMethod", doc = "see below; the same in all steps. Role, key id and name count at begin"},
   {name = "role", size = 1, count = 1, kind = "uint8", title = "Role", base = base.DEC, names = "Role", doc = "that the key shall have; a key that is renewed keeps its own, and its name, whatever is named"},
   {name = "reserved", size = 1, count = 1, kind = "bytes", title = "Reserved"},
   {name = "cookie", size = 8, count = 1, kind = "uint64", title = "Cookie", base = base.HEX, doc = "of an answer; 0: none yet. Not looked at on serial lines"},

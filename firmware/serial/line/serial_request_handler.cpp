@@ -32,7 +32,7 @@ std::span<const std::byte> SerialRequestHandler::take(std::span<const std::byte>
     case PacketType::kSettingsRequest:
       return remote_ ? pass_on(bytes, now) : serve_settings(packet->payload, now);
     case PacketType::kSignedRequest:
-      return remote_ ? pass_on(bytes, now) : refuse();
+      return pass_on(bytes, now);  // by its key, which a renewal over the cable has to show
     case PacketType::kPairRequest:
       return remote_ ? refuse() : pair(packet->payload, now);
     default:

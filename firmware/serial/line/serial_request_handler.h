@@ -14,9 +14,9 @@
 namespace stof::firmware {
 
 // Answers requests on a serial line: discover, and requests for settings, without a cookie or a
-// key, since whoever holds the cable is no stranger. Where the line leads to strangers (a telemetry
-// radio), requests for settings are judged as those of the network, as if its other end were one
-// host. Streams are not subscribed to: they come anyway.
+// key, since whoever holds the cable is no stranger. What a key signs is judged by that key. Where
+// the line leads to strangers (a telemetry radio), all requests for settings are judged as those of
+// the network, as if its other end were one host. Streams are not subscribed to: they come anyway.
 // For one thread.
 class SerialRequestHandler {
  public:

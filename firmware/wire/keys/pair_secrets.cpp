@@ -7,7 +7,7 @@
 namespace stof::wire {
 namespace {
 
-constexpr std::uint64_t kPossibleDigits = 1'000'000;
+constexpr std::uint64_t kPossibleDigits = kDigitsEnd;
 
 // Each digest has a purpose, so that none can stand for another.
 std::span<const std::byte> purpose(std::string_view text) noexcept {

@@ -15,6 +15,7 @@
 namespace stof::wire {
 
 using PairNonce = std::array<std::byte, 16>;
+inline constexpr std::uint32_t kDigitsEnd = 1'000'000;  // all digits are below it
 
 // What the client binds itself to before it sees anything of the sensor's.
 Digest commitment_of(const PublicKey& key, const PairNonce& nonce) noexcept;
@@ -47,7 +48,8 @@ class PairSecrets {
   PairSecrets(const PairSecrets&) = default;
   PairSecrets& operator=(const PairSecrets&) = default;
 
-  // 0 to 999,999: equal for both, unless somebody is between them, whose luck is one in a million.
+  // Below kDigitsEnd: equal for both, unless somebody is between them, whose luck is one in a
+  // million.
   std::uint32_t digits() const noexcept;
   Tag sensor_tag() const noexcept;  // the sensor has the same secrets
   Tag client_tag() const noexcept;  // the client too, and its user wants the key

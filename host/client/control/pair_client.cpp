@@ -43,6 +43,27 @@ PairClient::PairClient(std::unique_ptr<ControlTransport> transport, PairWish wis
   wire::fill_random(said_.client_nonce);
 }
 
+PairClient::~PairClient() {
+  if (ended_) {
+    return;
+  }
+  if (opened_) {
+    wire::PairRequest refusal = request(PairStep::kAccept);
+    wire::put_u32(std::as_writable_bytes(std::span(refusal.value)).first<4>(), wire::kDigitsEnd);
+    give_up(refusal);
+  } else if (attempt_ != 0) {
+    give_up(request(PairStep::kConfirm));  // its tag is none
+  }
+}
+
+// Twice, for one may be lost; no answer is awaited.
+void PairClient::give_up(wire::PairRequest request) {
+  for (int i = 0; i < 2; ++i) {
+    static_cast<void>(send(request));
+  }
+  ended_ = true;
+}
+
 std::expected<void, ControlError> PairClient::start() {
   wire::PairRequest begin = request(PairStep::kBegin);
   wire::put_bytes(wire::commitment_of(said_.client_key, said_.client_nonce), begin.value);
@@ -89,16 +110,17 @@ std::expected<wire::Key, ControlError> PairClient::finish(Duration patience,
     }
     if (answer->result == PairResult::kOk &&
         wire::equal_secrets(wire::bytes_in<wire::Tag>(answer->value), secrets_->done_tag())) {
+      ended_ = true;
       return key();
     }
     if (answer->result != PairResult::kWaiting && answer->result != PairResult::kOk) {
       return refuse(answer->result);
     }
-    if (Time::clock::now() >= deadline) {
-      return error(Status::kTimeout, "nobody has accepted the digits there");
-    }
-    if (goes_on && !goes_on()) {
-      return error(Status::kTimeout, "was given up here before anybody accepted it there");
+    const bool late = Time::clock::now() >= deadline;
+    if (late || (goes_on && !goes_on())) {
+      give_up(request(PairStep::kConfirm));
+      return error(Status::kTimeout, late ? "nobody has accepted the digits there"
+                                          : "was given up here before anybody accepted it there");
     }
     std::this_thread::sleep_for(kPoll);
   }
@@ -130,6 +152,7 @@ std::expected<PairWindow, ControlError> PairClient::ask_window(const wire::PairR
   }
   switch (answer->result) {
     case PairResult::kOk:
+      ended_ = answer->key_id != 0;
       return PairWindow{.key_id = answer->key_id};
     case PairResult::kWaiting:
       return PairWindow{.offer = wire::offer_in(answer->value)};
@@ -141,6 +164,7 @@ std::expected<PairWindow, ControlError> PairClient::ask_window(const wire::PairR
       }
       return refuse(answer->result);
     case PairResult::kClosed:
+      ended_ = true;
       return error(opened_ ? Status::kTimeout : Status::kUnsupported,
                    opened_ ? "pairing has ended without a key: two came, or nobody in two minutes"
                            : "this line is a way for strangers: use another");
@@ -171,19 +195,7 @@ wire::PairRequest PairClient::request(PairStep step) const {
 std::expected<wire::PairAnswer, ControlError> PairClient::ask(wire::PairRequest request) {
   bool hurried = false;  // asked at once upon a cookie
   for (int attempt = 0; attempt < options_.attempts;) {
-    request.request_id = ++request_id_;
-    request.cookie = cookie_;
-    if (request.step == PairStep::kBegin && !wish_.known.empty()) {
-      wire::put_bytes(wire::begin_proof(wish_.known, request), request.nonce);
-    }
-    wire::DatagramBuffer buffer;
-    wire::encode_pair_request(request,
-                              wire::payload_space(buffer).first<wire::kPairRequestBytes>());
-    const Status sent = transport_->send(
-        wire::seal_packet({.type = wire::PacketType::kPairRequest,
-                           .origin = {.device_id = options_.device_id.value_or(0)}},
-                          wire::kPairRequestBytes, buffer));
-    if (sent == Status::kDeviceLost) {
+    if (const Status sent = send(request); sent == Status::kDeviceLost) {
       return error(sent, "the connection failed: open it again");
     }
     const std::optional<wire::PairAnswer> answer = await(request_id_);
@@ -194,6 +206,20 @@ std::expected<wire::PairAnswer, ControlError> PairClient::ask(wire::PairRequest 
     hurried = answer.has_value();
   }
   return error(Status::kTimeout, "no answer: check that the sensor runs, and its address");
+}
+
+Status PairClient::send(wire::PairRequest& request) {
+  request.request_id = ++request_id_;
+  request.cookie = cookie_;
+  if (request.step == PairStep::kBegin && !wish_.known.empty()) {
+    wire::put_bytes(wire::begin_proof(wish_.known, request), request.nonce);
+  }
+  wire::DatagramBuffer buffer;
+  wire::encode_pair_request(request, wire::payload_space(buffer).first<wire::kPairRequestBytes>());
+  return transport_->send(
+      wire::seal_packet({.type = wire::PacketType::kPairRequest,
+                         .origin = {.device_id = options_.device_id.value_or(0)}},
+                        wire::kPairRequestBytes, buffer));
 }
 
 std::optional<wire::PairAnswer> PairClient::await(std::uint32_t request_id) {
@@ -239,7 +265,7 @@ std::unexpected<ControlError> PairClient::refuse(PairResult why) const {
       return error(Status::kWouldBlock,
                    wish_.method == PairMethod::kDigits
                        ? "somebody else pairs at the same time, both have ended: press its button "
-                         "again"
+                         "until it says that pairing is open"
                        : "somebody else pairs now: try again in ten seconds");
     case PairResult::kFull:
       return error(Status::kTooLarge,

@@ -28,11 +28,15 @@ struct PairWindow {
   std::uint32_t key_id = 0;                // of the key that came of it; 0: not yet
 };
 
-// Makes a key with one sensor; blocks. For one thread, and for one key.
+// Makes a key with one sensor; blocks. For one thread, and for one key. What it began, and did not
+// end, ends with it at the sensor, too, so that nobody's hold of the button makes a key for nobody.
 class PairClient {
  public:
   PairClient(std::unique_ptr<ControlTransport> transport, PairWish wish,
              ControlOptions options = {});
+  ~PairClient();
+  PairClient(const PairClient&) = delete;
+  PairClient& operator=(const PairClient&) = delete;
 
   // Both reveal what they have. kTimeout: no answer; kUnsupported: the sensor does not pair now, or
   // not so; kWouldBlock: somebody else pairs, or it was too often; kCorrupt: somebody is between,
@@ -57,6 +61,8 @@ class PairClient {
 
  private:
   std::expected<PairWindow, ControlError> ask_window(const wire::PairRequest& request);
+  void give_up(wire::PairRequest request);
+  Status send(wire::PairRequest& request);
   std::expected<wire::PairAnswer, ControlError> ask(wire::PairRequest request);
   std::optional<wire::PairAnswer> await(std::uint32_t request_id);
   wire::PairRequest request(wire::PairStep step) const;
@@ -73,6 +79,7 @@ class PairClient {
   std::uint64_t attempt_ = 0;
   std::uint64_t cookie_ = 0;
   bool opened_ = false;  // a window
+  bool ended_ = false;   // what was begun
   std::uint32_t request_id_;
 };
 

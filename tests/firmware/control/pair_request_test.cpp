@@ -135,13 +135,28 @@ TEST_F(PairRequestTest, ARemoteLineNeverPairs) {
   EXPECT_EQ(ring_.keys().count(), 0U);
 }
 
+// So a renewal over the cable ends the old secret at once.
+TEST_F(PairRequestTest, ALocalLineJudgesWhatAKeySignsByThatKey) {
+  wire::Key key = numbered_key(3, Role::kTune);
+  ASSERT_EQ(ring_.add(key), Status::kOk);
+  ASSERT_EQ(ring_.replace(3, numbered_key(4).secret), Status::kOk);
+  key.secret = numbered_key(4).secret;
+  const wire::SettingsRequest asked{.request_id = 1,
+                                    .cookie = firmware::Cookies(CookieSecret{}).make({}, kStart)};
+  const auto unproven = settings_reply(line_.take(signed_settings(key, kHere, 1, {}), kStart));
+  ASSERT_TRUE(unproven.has_value());
+  EXPECT_EQ(unproven->answer.result, SettingsResult::kCookie);
+  EXPECT_TRUE(signed_reply(key, line_.take(signed_settings(key, kHere, 1, asked), kStart)));
+  EXPECT_EQ(settings_.access, firmware::Access::kTune);
+  EXPECT_FALSE(ring_.keys().find(3)->former.has_value());
+}
+
 TEST_F(PairRequestTest, ARemoteLineTakesKeysAsTheNetworkDoes) {
   const wire::Key key = numbered_key(3, Role::kTune);
   ASSERT_EQ(ring_.add(key), Status::kOk);
   // On a cable no key is asked for.
   ASSERT_TRUE(settings_reply(line_.take(settings({.request_id = 1}), kStart)).has_value());
   EXPECT_EQ(settings_.access, firmware::Access::kAdmin);
-  EXPECT_TRUE(line_.take(signed_settings(key, kHere, 1, {.request_id = 1}), kStart).empty());
 
   line_.set_remote(true);
   const auto asked = settings_reply(line_.take(settings({.request_id = 2}), kStart));

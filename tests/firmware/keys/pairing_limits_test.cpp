@@ -129,11 +129,36 @@ TEST_F(PairingServerTest, AKeyThatIsEndedWhileItIsRenewedIsNotRenewed) {
     ASSERT_EQ(ring_.remove(gone.id), Status::kOk);
     ASSERT_EQ(ring_.add(next), Status::kOk);
     EXPECT_EQ(ask(newcomer.begin()).result, proves ? PairResult::kOk : PairResult::kBusy);
-    EXPECT_EQ(ask(ended.confirm()).result, proves ? PairResult::kWrong : PairResult::kLater);
+    EXPECT_EQ(ask(ended.confirm()).result, PairResult::kWrong);
     EXPECT_EQ(ring_.keys().find(gone.id), nullptr);
     ++id;
   }
   EXPECT_EQ(store_.saves(), saves + 4) << "of the keys that went and came";
+}
+
+TEST_F(PairingServerTest, ASensorThatKeepsNoMoreKeysSaysSoAtBegin) {
+  for (std::uint32_t id = 1; id <= kMostKeys; ++id) {
+    ASSERT_EQ(ring_.add(numbered_key(id)), Status::kOk);
+  }
+  server_.open(now_);
+  for (const PairMethod method : {PairMethod::kDigits, PairMethod::kCode, PairMethod::kCable}) {
+    PairingClient client(kSensor, method, Role::kAdmin, kCode);
+    EXPECT_EQ(ask(client.begin(), PairingWay::kCable).result, PairResult::kFull);
+  }
+  EXPECT_TRUE(server_.is_open()) << "one may be ended meanwhile";
+  PairingClient renewal(kSensor, PairMethod::kKey, Role::kAdmin, numbered_key(3).secret, 3);
+  EXPECT_EQ(run(renewal).result, PairResult::kOk);
+}
+
+TEST_F(PairingServerTest, AKeyThatCannotBeSavedIsToldAfterTheHoldToo) {
+  server_.open(now_);
+  PairingClient client(kSensor, PairMethod::kDigits, Role::kAdmin);
+  ASSERT_EQ(run(client).result, PairResult::kWaiting);
+  store_.break_down(true);
+  hold();
+  EXPECT_EQ(ask(client.confirm()).result, PairResult::kFull);
+  EXPECT_EQ(ask(client.confirm()).result, PairResult::kFull);
+  EXPECT_EQ(ring_.keys().count(), 0U);
 }
 
 }  // namespace

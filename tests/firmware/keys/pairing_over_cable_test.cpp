@@ -57,6 +57,21 @@ TEST_F(PairingServerTest, TheCableAcceptsAfterTheClientsUserAndWhatTheButtonOpen
   EXPECT_TRUE(has_key_of(client, done.key_id));
 }
 
+TEST_F(PairingServerTest, WhoOpenedOverTheCableMayCloseBeforeDigitsAreThere) {
+  for (const bool begun : {false, true}) {
+    PairingClient holder(kSensor, PairMethod::kDigits, Role::kAdmin);
+    ASSERT_EQ(ask(holder.open(), PairingWay::kCable).result, PairResult::kOk);
+    PairingClient client(kSensor, PairMethod::kDigits, Role::kAdmin);
+    if (begun) {
+      ASSERT_EQ(ask(client.begin()).result, PairResult::kOk);
+    }
+    EXPECT_EQ(ask(holder.accept(1'000'000), PairingWay::kCable).result, PairResult::kWrong);
+    EXPECT_FALSE(server_.is_open());
+    EXPECT_EQ(ask(holder.open(), PairingWay::kCable).result, PairResult::kClosed);
+    EXPECT_EQ(ask(client.begin()).result, PairResult::kClosed);
+  }
+}
+
 TEST_F(PairingServerTest, OtherDigitsOverTheCableEndTheAttempt) {
   PairingClient holder(kSensor, PairMethod::kDigits, Role::kAdmin);
   EXPECT_EQ(ask(holder.accept(0), PairingWay::kCable).result, PairResult::kWrong);

@@ -235,8 +235,8 @@ TEST_F(PairingServerTest, TellsWhichKeyCameAndFromWhom) {
   firmware::ChangeRing changes;
   server_.set_changes(&changes);
   PairingClient client(kSensor, PairMethod::kCode, Role::kTune, kCode);
-  const hal::Peer from{.address = {1, 2, 3}, .port = 4};
-  const PairAnswer begun = server_.serve(client.begin(), PairingWay::kNetwork, now_, from);
+  from_ = {.address = {1, 2, 3}, .port = 4};
+  const PairAnswer begun = ask(client.begin());
   static_cast<void>(ask(client.reveal(begun)));
   EXPECT_EQ(changes.size(), 0U);
   for (int i = 0; i < 2; ++i) {  // repeated, it is told once
@@ -247,7 +247,7 @@ TEST_F(PairingServerTest, TellsWhichKeyCameAndFromWhom) {
   EXPECT_EQ(change->kind, firmware::EventKind::kKeyMade);
   EXPECT_EQ(change->value, ring_.keys().all()[0].id);
   EXPECT_EQ(change->role, Role::kTune);
-  EXPECT_EQ(change->address, from.address);
+  EXPECT_EQ(change->address, from_.address);
   EXPECT_EQ(changes.size(), 0U);
 }
 

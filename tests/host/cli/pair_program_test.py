@@ -327,6 +327,47 @@ class Pair(unittest.TestCase):
         self.refuse(1, "has none of your keys", "config", self.address, "set", "period_ms=90")
         self.refuse(1, "nothing was paired", "pair", self.address, "--renew")
 
+    def test_a_key_gets_a_new_secret_over_the_cable(self):
+        line = self.start_with_line("--label", self.label)
+        self.ask("pair", self.address, "--code", CODE)
+        old = self.own.read_text(encoding="utf-8")
+        self.ask("pair", "--serial", line, "--renew")
+        new = self.own.read_text(encoding="utf-8")
+        self.assertNotEqual(new, old)
+        self.own.write_text(old, encoding="utf-8")
+        self.refuse(1, "has none of your keys", "config", self.address, "set", "period_ms=90")
+        self.own.write_text(new, encoding="utf-8")
+        self.ask("config", self.address, "set", "period_ms=80")
+
+    def test_who_gives_up_leaves_nothing_open(self):
+        self.start()
+        for stage in ("before the digits", "after them"):
+            self.press()
+            pairing = self.begin()
+            digits = self.digits()
+            if stage == "after them":
+                pairing.stdin.write(digits + "\n")
+                pairing.stdin.flush()
+                time.sleep(0.5)
+            pairing.send_signal(signal.SIGINT)
+            _, error = pairing.communicate(timeout=ENOUGH_S)
+            self.assertEqual(pairing.returncode, 1, stage)
+            self.assertIn("given up", error)
+            self.until("still open", lambda: "ended without a key" in self.said())
+            self.sensor.send_signal(signal.SIGUSR2)  # a hold for nobody
+            time.sleep(4)
+            self.assertFalse(self.keys.exists(), stage)
+            self.stop()
+            self.start()
+
+    def test_who_gives_up_the_cables_window_closes_it(self):
+        window = self.open_window(self.start_with_line())
+        window.send_signal(signal.SIGINT)
+        _, error = window.communicate(timeout=ENOUGH_S)
+        self.assertEqual(window.returncode, 1)
+        self.assertIn("given up", error)
+        self.refuse(1, "does not pair now", "pair", self.address)
+
     def test_the_code_may_come_from_a_file_or_from_standard_input(self):
         self.start("--label", self.label)
         self.ask("pair", self.address, "--code", f"@{self.label}")

@@ -99,15 +99,51 @@ TEST(PairClient, ComparesDigitsAndWaitsForTheSensor) {
   PairClient client = client_of(sensor, {.role = Role::kTune, .name = "ann b"});
   ASSERT_TRUE(client.start());
   EXPECT_EQ(client.digits(), sensor.pairing.digits());
-  EXPECT_EQ(client.finish(1ms).error().status, Status::kTimeout);
-  sensor.pairing.tick(sensor.now);
-  sensor.pairing.hold(sensor.now);
-  const auto key = client.finish(1s);
+  const auto key = client.finish(1s, [&sensor] {
+    sensor.pairing.tick(sensor.now);
+    sensor.pairing.hold(sensor.now);
+    return true;
+  });
   ASSERT_TRUE(key) << key.error().message;
   ASSERT_EQ(sensor.ring.keys().count(), 1U);
   EXPECT_EQ(*key, sensor.ring.keys().all()[0]);
   EXPECT_EQ(key->name_text(), "ann-b");
   EXPECT_EQ(key->role, Role::kTune);
+}
+
+// Whatever its user does then: nobody's hold makes a key that nobody has.
+TEST(PairClient, WhoGivesUpEndsItAtTheSensor) {
+  SensorInMemory sensor;
+  const auto hold = [&sensor] {
+    sensor.pairing.tick(sensor.now);
+    sensor.pairing.hold(sensor.now);
+  };
+  for (const int stage : {0, 1, 2}) {
+    sensor.pairing.open(sensor.now);
+    auto client =
+        std::make_unique<PairClient>(std::make_unique<Wire>(sensor, Way::kNetwork),
+                                     PairWish{.name = "ann"}, ControlOptions{.timeout = 3ms});
+    ASSERT_TRUE(client->start());
+    ASSERT_TRUE(sensor.pairing.digits().has_value());
+    if (stage == 1) {
+      EXPECT_EQ(client->finish(1ms).error().status, Status::kTimeout);
+    } else if (stage == 2) {
+      EXPECT_EQ(client->finish(10s, [] { return false; }).error().status, Status::kTimeout);
+    }
+    if (stage == 0) {
+      client.reset();
+    }
+    EXPECT_FALSE(sensor.pairing.digits().has_value());
+    hold();
+    EXPECT_EQ(sensor.ring.keys().count(), 0U);
+  }
+  auto holder =
+      std::make_unique<PairClient>(std::make_unique<Wire>(sensor, Way::kSerialLine),
+                                   PairWish{.name = "bob"}, ControlOptions{.timeout = 3ms});
+  ASSERT_TRUE(holder->open_window());
+  ASSERT_TRUE(sensor.pairing.is_open());
+  holder.reset();
+  EXPECT_FALSE(sensor.pairing.is_open());
 }
 
 TEST(PairClient, WhoeverHoldsTheCableLetsAnotherPair) {
