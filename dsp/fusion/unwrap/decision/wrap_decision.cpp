@@ -85,9 +85,11 @@ void WrapDecision::link_all(const WrapMaps& maps) noexcept {
 bool WrapDecision::prevails(const WrapMaps& maps, int x, int y, int wanted) const noexcept {
   int mine = 0;
   int rival = 0;
-  const std::size_t i = maps.place(x, y);
-  for (int k = 0; k < maps.wrap_counts && maps.distance(i, k) <= kMaxQuarterMm; ++k) {
-    const int votes = window_.around(x, y, static_cast<QuarterMm>(maps.distance(i, k)));
+  const DistanceVotes::Around around = window_.around(x, y);
+  const std::uint32_t range = maps.range;
+  std::uint32_t distance = maps.readings[maps.place(x, y)].distance;
+  for (int k = 0; k < maps.wrap_counts && distance <= kMaxQuarterMm; ++k, distance += range) {
+    const int votes = around.of(static_cast<QuarterMm>(distance));
     mine = k == wanted ? votes : mine;
     rival = k == wanted ? rival : std::max(rival, votes);
   }
@@ -159,13 +161,14 @@ void WrapDecision::join_regions(const WrapMaps& maps) noexcept {
       join(i, i + row, below);
     }
   }
+  // What is decided and stands alone speaks for nobody.
   for (std::size_t i = 0; i < all; ++i) {
-    if (maps.bright[i]) {
+    if (maps.bright[i] && !regions_.stands_alone(i)) {
       regions_.prove(i);
     }
   }
   for (std::size_t i = 0; i < all; ++i) {
-    if (maps.wraps[i] >= 0 && !maps.bright[i]) {
+    if (maps.wraps[i] >= 0 && !maps.bright[i] && !regions_.stands_alone(i)) {
       regions_.contradict(i, maps.wraps[i]);
     }
   }
