@@ -13,6 +13,7 @@ struct FoundRow {
   // allows.
   std::span<const Sum> judged;
   std::span<std::int16_t> winners;
+  bool numbered = false;  // costs and judged are numbered_cost() each (search/block_winners.h)
 };
 
 }  // namespace stof::dsp

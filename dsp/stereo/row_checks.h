@@ -52,22 +52,22 @@ class RowChecks {
   void apply(const FoundRow<Cost, Sum>& found, const PreparedPair& pair, int y,
              const MatchedRow& out) noexcept {
     compare_rivals(found, out);
-    check_left_right(found.judged, found.winners);
+    check_left_right(found.judged, found.winners, found.numbered);
     fit_costs(found.judged, found.winners, out.disparity);
     fit_grey_values(pair, y, out.disparity);
   }
 
   MarginScale margin() const noexcept { return margin_; }
 
-  // Margins, where `out` has room for them, peak ratio, uniqueness.
+  // Margins, where `out` has room, peak ratio, uniqueness; the ratio alone of numbered costs.
   template <typename Cost>
   void compare_rivals(const FoundRow<Cost, Sum>& found, const MatchedRow& out) noexcept {
     if (!out.margins.empty()) {
       compare_costs(found.costs, found.winners, out.margins);
     }
     if (params_.confidence) {
-      best::peak_ratio(found.judged, lanes_, std::span<const std::int16_t>(found.winners),
-                       out.ratio);
+      best::peak_ratio(found.judged, lanes_, found.numbered,
+                       std::span<const std::int16_t>(found.winners), out.ratio);
     }
     if (params_.uniqueness_percent) {
       best::uniqueness_check(found.judged, lanes_, *params_.uniqueness_percent, found.winners);

@@ -17,7 +17,8 @@ PIXELS, PMD_PIXELS = 640 * 480, 176 * 144
 # Name, model of llvm-mca, GHz.
 PROCESSORS = (("Cortex-A76", "neoverse-n1", 2.4), ("Cortex-A72", "cortex-a72", 1.8))
 TASKS = {
-    "wta": "WTA 15x15, 640x480x64", "fast": "preset fast", "quality": "preset quality",
+    "wta": "WTA 15x15, 640x480x64", "fast": "preset fast", "fast_depth": "the same, with confidence",
+    "quality": "preset quality",
     "pyramid1": "coarse to fine, 1", "pyramid2": "coarse to fine, 2", "rectify": "rectify both pictures",
     "phase": "PMD phase, 176x144", "convert": "PMD convert, 176x144", "fuse": "convert and fuse", "packets": "packets",
     "rvl_encode": "RVL encode depth", "rvl_decode": "RVL decode depth", "crc": "CRC of 600 KiB",

@@ -90,6 +90,12 @@ dsp::MatchParams preset_params(const char* preset, int disparities) {
   return params;
 }
 
+dsp::MatchParams appliance_params(const char* preset, int disparities) {
+  dsp::MatchParams params = dsp::for_depth(*dsp::find_preset(preset));
+  params.disparities = disparities;
+  return params;
+}
+
 lab::MatchParams pyramid_params(int levels, int disparities) {
   lab::MatchParams params = lab::as_the_appliance(block_params(disparities));
   params.subpixel = dsp::Subpixel::kWhole;

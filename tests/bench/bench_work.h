@@ -35,6 +35,8 @@ Pictures made_pictures(int width, int height);
 // OpenCV's StereoBM computes with its filters off.
 dsp::MatchParams block_params(int disparities);
 dsp::MatchParams preset_params(const char* preset, int disparities);
+// What the appliance makes of it: fitted, with the confidence that fusion needs.
+dsp::MatchParams appliance_params(const char* preset, int disparities);
 // The same search in whole pixels, from coarse to fine; 0: from all candidates.
 lab::MatchParams pyramid_params(int levels, int disparities);
 

@@ -58,15 +58,13 @@ Reprojector::Reprojector(const Calibration& calibration, int left_width, int lef
   extents_ = take_extents(arena, width_);
 }
 
-// Whether a reading is splatted at the ends of its interval too.
-bool Reprojector::ends_apart(std::size_t i) const noexcept {
-  return low_.depth[i] == kNoDepth || high_.depth[i] == kNoDepth ||
-         std::abs(low_.u[i] - high_.u[i]) > extents_.half_x[i] ||
-         std::abs(low_.v[i] - high_.v[i]) > extents_.half_y[i];
-}
-
 void Reprojector::add_row(std::span<const std::uint8_t> flags, QuarterMm margin) noexcept {
+  // All of it local: flags that are written could be part of members.
   const std::span<Footprint> all = footprints_;
+  const Extents extents = extents_;
+  const std::array<Points, 2> ends{low_, high_};
+  const auto& [low, high] = ends;
+  const std::span<const QuarterMm> depths = centre_.depth;
   std::size_t count = count_;
   const auto add = [&](PixelRange x, PixelRange y, QuarterMm depth,
                        const FootprintValue& value) noexcept {
@@ -74,24 +72,30 @@ void Reprojector::add_row(std::span<const std::uint8_t> flags, QuarterMm margin)
     count += x.begin < x.end && y.begin < y.end ? 1U : 0U;
   };
   for (std::size_t i = 0; i < flags.size(); ++i) {
-    if (extents_.half_x[i] == kNoFootprint) {
+    const std::int32_t half_x = extents.half_x[i];
+    const std::int32_t half_y = extents.half_y[i];
+    if (half_x == kNoFootprint) {
       continue;
     }
-    const QuarterMm depth = centre_.depth[i];
+    const QuarterMm depth = depths[i];
     // A ray that runs towards the left camera meets the far end of its interval first.
-    const auto [nearer, farther] = std::minmax(low_.depth[i], high_.depth[i]);
+    const QuarterMm nearer = std::min(low.depth[i], high.depth[i]);
+    const QuarterMm farther = std::max(low.depth[i], high.depth[i]);
     const FootprintValue value{
         visible_behind(depth), static_cast<QuarterMm>(std::max(nearer - margin, 1)),
         static_cast<QuarterMm>(std::min<int>(farther + margin, kMaxQuarterMm)), flags[i]};
-    add({extents_.x_begin[i], extents_.x_end[i]}, {extents_.y_begin[i], extents_.y_end[i]}, depth,
+    add({extents.x_begin[i], extents.x_end[i]}, {extents.y_begin[i], extents.y_end[i]}, depth,
         value);
-    if (!ends_apart(i)) {
+    const bool ends_apart = low.depth[i] == kNoDepth || high.depth[i] == kNoDepth ||
+                            std::abs(low.u[i] - high.u[i]) > half_x ||
+                            std::abs(low.v[i] - high.v[i]) > half_y;
+    if (!ends_apart) {
       continue;
     }
-    for (const Points* end : {&low_, &high_}) {
-      if (end->depth[i] != kNoDepth) {
-        add(footprint_range(end->u[i], extents_.half_x[i], left_width_),
-            footprint_range(end->v[i], extents_.half_y[i], left_height_), depth, value);
+    for (const Points& end : ends) {
+      if (end.depth[i] != kNoDepth) {
+        add(footprint_range(end.u[i], half_x, left_width_),
+            footprint_range(end.v[i], half_y, left_height_), depth, value);
       }
     }
   }

@@ -71,7 +71,6 @@ class Reprojector {
   // Where the readings of row y lie.
   std::span<const QuarterMm> average(const PmdMaps& maps, int y) noexcept;
   void locate_row(const PmdMaps& maps, int y, QuarterMm margin) noexcept;
-  bool ends_apart(std::size_t i) const noexcept;
   void add_row(std::span<const std::uint8_t> flags, QuarterMm margin) noexcept;
   Band band(std::size_t begin) const noexcept;
 

@@ -105,25 +105,26 @@ void splat_intervals(std::span<const Footprint> footprints, Rows rows,
     ref::splat_intervals(footprints, rows, view);
     return;
   }
+  const SplattedView to = view;  // a byte that is written could be part of what is referred to
   for (const Footprint& f : footprints) {
     const Rows some = common(f, rows);
     if (some.begin >= some.end) {
       continue;
     }
-    const Columns all = columns(f, view.nearest.width());
+    const Columns all = columns(f, to.nearest.width());
     const Lanes lanes = lanes_of(f.value, all.inside);
     for (int k = 0; k < all.vectors; ++k) {
       const int x = std::min(all.first + k * kLanes, all.last);
-      const QuarterMm* nearest = pixel(view.nearest, x, some.begin);
-      QuarterMm* low = pixel(view.low, x, some.begin);
-      QuarterMm* high = pixel(view.high, x, some.begin);
-      std::uint8_t* flags = pixel(view.flags, x, some.begin);
+      const QuarterMm* nearest = pixel(to.nearest, x, some.begin);
+      QuarterMm* low = pixel(to.low, x, some.begin);
+      QuarterMm* high = pixel(to.high, x, some.begin);
+      std::uint8_t* flags = pixel(to.flags, x, some.begin);
       for (int y = some.begin; y < some.end; ++y) {
         unite(lanes, nearest, low, high, flags);
-        nearest += view.nearest.stride();
-        low += view.low.stride();
-        high += view.high.stride();
-        flags += view.flags.stride();
+        nearest += to.nearest.stride();
+        low += to.low.stride();
+        high += to.high.stride();
+        flags += to.flags.stride();
       }
     }
   }

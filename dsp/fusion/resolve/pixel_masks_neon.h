@@ -26,14 +26,13 @@ uint8x16_t load_bytes(std::span<const Value> row, std::size_t x) noexcept {
   return vld1q_u8(reinterpret_cast<const std::uint8_t*>(&row[x]));  // NOLINT: an enum of bytes
 }
 
-// length > low / 12, the quotient rounded down: low * 43691 / 2^19 for every u16.
+// 12 length > from, the product saturated, which decides nothing else: where from is the largest
+// number, length is 1 at most.
 inline uint8x8_t is_wide(uint16x8_t from, uint16x8_t length) noexcept {
   static_assert(kNarrowShare == 12);
-  constexpr std::uint16_t kTwelfth = 43691;
-  const uint16x4_t lower = vshrn_n_u32(vmull_n_u16(vget_low_u16(from), kTwelfth), 16);
-  const uint16x4_t upper = vshrn_n_u32(vmull_n_u16(vget_high_u16(from), kTwelfth), 16);
-  const uint16x8_t share = vshrq_n_u16(vcombine_u16(lower, upper), 3);
-  return vmovn_u16(vcgtq_u16(length, share));
+  const uint16x8_t three = vqaddq_u16(vqaddq_u16(length, length), length);
+  const uint16x8_t six = vqaddq_u16(three, three);
+  return vmovn_u16(vcgtq_u16(vqaddq_u16(six, six), from));
 }
 
 inline uint8x16_t missing(const Disparity* disparity) noexcept {

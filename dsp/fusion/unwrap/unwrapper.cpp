@@ -25,24 +25,27 @@ std::uint32_t turn_of(const PmdSensor& sensor) noexcept {
 }
 
 void apply(const WrapMaps& maps, const PmdMaps& pmd) noexcept {
+  const std::size_t n = index(maps.width);
+  const std::uint32_t range = maps.range;
   for (int y = 0; y < maps.height; ++y) {
     const std::span<QuarterMm> distance = pmd.distance.row(y);
     const std::span<QuarterMm> sigma = pmd.sigma.row(y);
     const std::span<std::uint8_t> flags = pmd.flags.row(y);
-    const std::size_t first = maps.place(0, y);
-    for (std::size_t x = 0; x < distance.size(); ++x) {
-      const std::int8_t wraps = maps.wraps[first + x];
-      if (wraps == kNoReading) {
-        continue;
+    const std::span<const std::int8_t> decided = maps.wraps.subspan(maps.place(0, y), n);
+    for (std::size_t x = 0; x < n; ++x) {
+      const std::int8_t wraps = decided[x];
+      if (wraps > 0) {
+        distance[x] =
+            static_cast<QuarterMm>(distance[x] + static_cast<std::uint32_t>(wraps) * range);
+      } else if (wraps < 0 && wraps != kNoReading) {
+        if (!pmd.folded.empty()) {
+          pmd.folded.row(y)[x] = distance[x];
+          pmd.folded_sigma.row(y)[x] = sigma[x];
+        }
+        distance[x] = kNoDepth;
+        sigma[x] = 0;
+        flags[x] = static_cast<std::uint8_t>(flags[x] | kPmdWrapped);
       }
-      const bool told = wraps >= 0;
-      if (!told && !pmd.folded.empty()) {
-        pmd.folded.row(y)[x] = distance[x];
-        pmd.folded_sigma.row(y)[x] = sigma[x];
-      }
-      distance[x] = told ? static_cast<QuarterMm>(maps.distance(first + x, wraps)) : kNoDepth;
-      sigma[x] = told ? sigma[x] : QuarterMm{0};
-      flags[x] = static_cast<std::uint8_t>(flags[x] | (told ? 0U : unsigned{kPmdWrapped}));
     }
   }
 }

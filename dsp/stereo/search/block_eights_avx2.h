@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -47,14 +48,18 @@ struct Eights : BlockVectors<Isa> {  // NOLINT(bugprone-crtp-constructor-accessi
   }
 
   template <int kShift>
-  static void fit(const BlockRow& row, const std::uint16_t* const (&around)[kColumns],
-                  const std::uint16_t* costs, const std::int16_t* winners, std::int16_t* kept,
-                  std::int16_t* fitted) noexcept {
+  static void fit(const BlockRow& row, const std::uint16_t* columns,
+                  const std::array<std::uint16_t, kColumns>& places, const std::uint16_t* costs,
+                  const std::int16_t* winners, std::int16_t* kept, std::int16_t* fitted) noexcept {
     const __m256i winner = get(winners);
     const __m256i base =
         _mm256_add_epi16(winner, words(static_cast<std::int16_t>(row.min_disparity)));
     __m256i out = _mm256_slli_epi16(base, Disparity::kFractionBits);
     if (row.fit != CostFit::kNone) {
+      const std::uint16_t* around[kColumns];
+      for (std::size_t k = 0; k < kColumns; ++k) {
+        around[k] = columns + places[k] + winners[k] - 1;
+      }
       const auto low = gather(around);
       const auto high = gather(around + 8);
       __m256i before = _mm256_set_m128i(high.before, low.before);

@@ -5,6 +5,20 @@
 // The second step for a chunk that was searched: winners that are none, and fits.
 namespace stof::dsp::block_winners_body {
 
+// The same where all candidates exist, four at a time.
+inline bool whole_tie(const std::uint16_t* sums, std::size_t lanes, int shift) noexcept {
+  constexpr std::uint64_t kEach = 0x0001'0001'0001'0001;
+  const std::uint64_t mask = kEach * ((0xFFFFU << shift) & 0xFFFFU);
+  const std::uint64_t first = (kEach * sums[0]) & mask;
+  for (std::size_t i = 0; i < lanes; i += 4) {
+    std::uint64_t four = 0;
+    std::memcpy(&four, sums + i, sizeof four);
+    if ((four & mask) != first) {
+      return false;
+    }
+  }
+  return true;
+}
 inline bool all_tie(const std::uint16_t* sums, Limits exist, int shift) noexcept {
   for (int i = exist.begin + 1; i < exist.end; ++i) {
     if (sums[i] >> shift != sums[exist.begin] >> shift) {
@@ -29,6 +43,14 @@ void Pass<Isa>::finish(std::size_t x, std::size_t count) noexcept {
 template <typename Isa>
 void Pass<Isa>::drop_ties(std::size_t x, std::size_t count) noexcept {
   const int shift = keeps_costs() ? 0 : 3;
+  if (whole(row_, x, count)) {  // each column has all candidates, and so a cost
+    for (std::size_t p = 0; p < count; ++p) {
+      if (chunk_.winners[p] == 0 && whole_tie(sums(x) + p * lanes_, lanes_, shift)) {
+        chunk_.winners[p] = kNoWinner;
+      }
+    }
+    return;
+  }
   for (std::size_t p = 0; p < count; ++p) {
     std::int16_t& winner = chunk_.winners[p];
     const Limits exist = limits(row_, x + p);
@@ -66,33 +88,31 @@ void Pass<Isa>::fit(std::size_t x, std::size_t count) noexcept {
   static_assert(sizeof(Disparity) == sizeof(std::int16_t));
   std::int16_t* const winners = out_.winners.data() + x;
   Disparity* const fitted = out_.fitted.data() + x;
+  const std::size_t lanes = lanes_;
+  const std::uint16_t* columns = sums(x);
+  Places places;
+  for (std::size_t k = 0; k < Isa::kColumns; ++k) {
+    places[k] = static_cast<std::uint16_t>(k * lanes);
+  }
   std::size_t p = 0;
-  for (; p + Isa::kColumns <= count; p += Isa::kColumns) {
-    fit_some<kShift, true>(x, p, Isa::kColumns, winners + p, &fitted[p].raw);
+  for (; p + Isa::kColumns <= count; p += Isa::kColumns, columns += Isa::kColumns * lanes) {
+    Isa::template fit<kShift>(row_, columns, places, chunk_.costs.data() + p,
+                              chunk_.winners.data() + p, winners + p, &fitted[p].raw);
   }
   if (p < count) {
+    // Columns that there are not are the last one.
     const std::size_t some = count - p;
-    std::int16_t rest[2][Isa::kColumns];
-    fit_some<kShift, false>(x, p, some, rest[0], rest[1]);
-    std::memcpy(winners + p, rest[0], some * sizeof(std::int16_t));
-    std::memcpy(fitted + p, rest[1], some * sizeof(std::int16_t));
+    std::int16_t rest[3][Isa::kColumns];
+    for (std::size_t k = 0; k < Isa::kColumns; ++k) {
+      const std::size_t column = std::min(k, some - 1);
+      places[k] = places[column];
+      rest[0][k] = chunk_.winners[p + column];
+    }
+    Isa::template fit<kShift>(row_, columns, places, chunk_.costs.data() + p, rest[0], rest[1],
+                              rest[2]);
+    std::memcpy(winners + p, rest[1], some * sizeof(std::int16_t));
+    std::memcpy(fitted + p, rest[2], some * sizeof(std::int16_t));
   }
-}
-
-// Those beyond `count` mean nothing.
-template <typename Isa>
-template <int kShift, bool kAll>
-void Pass<Isa>::fit_some(std::size_t x, std::size_t p, std::size_t count, std::int16_t* kept,
-                         std::int16_t* fitted) noexcept {
-  const std::uint16_t* before = sums(x) + p * lanes_ - 1;
-  const std::int16_t* const winners = chunk_.winners.data() + p;
-  const std::uint16_t* around[Isa::kColumns];
-  for (std::size_t k = 0; k < Isa::kColumns; ++k) {
-    const std::size_t pixel = kAll ? k : std::min(k, count - 1);  // the last that there is
-    around[k] = before + winners[pixel];
-    before += kAll || k + 1 < count ? lanes_ : 0;
-  }
-  Isa::template fit<kShift>(row_, around, chunk_.costs.data() + p, winners, kept, fitted);
 }
 
 template <typename Isa>

@@ -25,7 +25,7 @@ CostScale scale_of(const MatchParams& params) noexcept {
 
 BlockSearch::BlockSearch(const MatchParams& params, int width, Arena& arena) noexcept
     : params_(params),
-      numbered_(!params.guided && !params.confidence && !params.uniqueness_percent),
+      numbered_(!params.guided && !params.uniqueness_percent),
       blocks_(params, width, arena),
       checks_(params, scale_of(params), width, arena),
       winners_(arena.take_passing<std::int16_t>(index(width))) {
@@ -62,7 +62,8 @@ void BlockSearch::match(int y, const MatchedRow& out) noexcept {
                .costs = costs,
                .margins = narrowed ? std::span<std::int16_t>() : out.margins,
                .numbered = numbered_});
-  FoundRow<std::uint16_t> found{.costs = costs, .judged = costs, .winners = winners};
+  FoundRow<std::uint16_t> found{
+      .costs = costs, .judged = costs, .winners = winners, .numbered = numbered_};
   if (narrowed) {
     best::mask_candidates(found.costs, guide, lanes, masked_.first(costs.size()));
     found.judged = masked_.first(costs.size());
@@ -75,7 +76,7 @@ void BlockSearch::match(int y, const MatchedRow& out) noexcept {
     // A guide may leave one candidate, which has no rival.
     checks_.drop_ties(out.ratio, winners);
   }
-  checks_.check_left_right(found.judged, winners, numbered_);
+  checks_.check_left_right(found.judged, winners, found.numbered);
   if (narrowed) {
     checks_.fit_costs(found.judged, winners, out.disparity);
   } else {

@@ -25,7 +25,7 @@ class BlockSearch final : public RowSearch {
   void drop_fits(std::span<const std::int16_t> winners, std::span<Disparity> out) const noexcept;
 
   MatchParams params_;
-  bool numbered_;  // costs, where nothing but the winners of both sides is asked of them
+  bool numbered_;  // costs, where no guide and no uniqueness asks for plain ones
   SlidingBlocks blocks_;
   RowChecks<std::uint16_t> checks_;
   std::span<std::uint16_t> costs_;  // with kBlockCostMargin elements before and behind them

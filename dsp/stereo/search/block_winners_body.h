@@ -23,9 +23,9 @@
 //   lowest(eights, first, costs, winners)
 //                                  winners among candidates from `first` on and, where first > 0,
 //                                  those found before; returns whether one is 0
-//   fit<kShift>(row, around, costs, winners, kept, fitted)
-//                                  the winners again and their fits; around: the sums before each
-//                                  winner, its own and the one behind
+//   fit<kShift>(row, columns, places, costs, winners, kept, fitted)
+//                                  the winners again and their fits; the sums of kColumns columns
+//                                  begin at columns + places[k] each
 namespace stof::dsp::block_winners_body {
 
 // Above every cost, where sums have lost their three bits.
@@ -155,11 +155,9 @@ class Pass {
   void finish(std::size_t x, std::size_t count) noexcept;
   void drop_ties(std::size_t x, std::size_t count) noexcept;
   void find_margins(std::size_t x, std::size_t count) noexcept;
+  using Places = std::array<std::uint16_t, Isa::kColumns>;
   template <int kShift>
   void fit(std::size_t x, std::size_t count) noexcept;
-  template <int kShift, bool kAll>
-  void fit_some(std::size_t x, std::size_t p, std::size_t count, std::int16_t* kept,
-                std::int16_t* fitted) noexcept;
 
   BlockPixels pixels_;
   BlockRow row_;

@@ -1,5 +1,7 @@
 #include "dsp/stereo/search/block_winners.h"
 
+#include <array>
+#include <cstddef>
 #include <memory>
 
 #include "dsp/base/simd.h"
@@ -65,13 +67,18 @@ uint16x8_t small_quotient(uint16x8_t a, uint16x8_t b) noexcept {
   return vbicq_u16(std::bit_cast<uint16x8_t>(_mm_packs_epi32(low, high)),
                    vceqq_u16(b, vdupq_n_u16(0)));
 #else
-  uint16x8_t bound = b;
-  uint16x8_t count = vdupq_n_u16(0);
-  for (int k = 0; k < 8; ++k) {
-    count = vsubq_u16(count, vcgeq_u16(a, bound));  // a true mask is -1
-    bound = vqaddq_u16(bound, b);
-  }
-  return vandq_u16(count, vcgtq_u16(b, vdupq_n_u16(0)));
+  // Eights, fours, twos and ones, a bit each. What cannot be taken away wraps to a larger number.
+  const uint16x8_t two = vqaddq_u16(b, b);
+  const uint16x8_t four = vqaddq_u16(two, two);
+  const uint16x8_t eight = vqaddq_u16(four, four);
+  const uint16x8_t below_eight = vminq_u16(a, vsubq_u16(a, eight));
+  const uint16x8_t below_four = vminq_u16(below_eight, vsubq_u16(below_eight, four));
+  const uint16x8_t below_two = vminq_u16(below_four, vsubq_u16(below_four, two));
+  uint16x8_t count = vshrq_n_u16(vcgeq_u16(below_two, b), 15);
+  count = vsliq_n_u16(count, vcgeq_u16(below_four, two), 1);
+  count = vsliq_n_u16(count, vcgeq_u16(below_eight, four), 2);
+  count = vsliq_n_u16(count, vcgeq_u16(a, eight), 3);
+  return vandq_u16(count, vandq_u16(vtstq_u16(b, b), vdupq_n_u16(15)));
 #endif
 }
 
@@ -146,19 +153,23 @@ struct Neon {
   }
 
   template <int kShift>
-  static void fit(const BlockRow& row, const std::uint16_t* const (&around)[kColumns],
-                  const std::uint16_t* costs, const std::int16_t* winners, std::int16_t* kept,
-                  std::int16_t* fitted) noexcept {
+  static void fit(const BlockRow& row, const std::uint16_t* columns,
+                  const std::array<std::uint16_t, kColumns>& places, const std::uint16_t* costs,
+                  const std::int16_t* winners, std::int16_t* kept, std::int16_t* fitted) noexcept {
     const int16x8_t winner = vld1q_s16(winners);
     const int16x8_t none = vdupq_n_s16(kNoWinner);
     const int16x8_t base =
         vaddq_s16(winner, vdupq_n_s16(static_cast<std::int16_t>(row.min_disparity)));
     int16x8_t out = vshlq_n_s16(base, Disparity::kFractionBits);
     if (row.fit != CostFit::kNone) {
-      const V a = vcombine_u16(vld1_u16(around[0]), vld1_u16(around[1]));
-      const V b = vcombine_u16(vld1_u16(around[2]), vld1_u16(around[3]));
-      const V c = vcombine_u16(vld1_u16(around[4]), vld1_u16(around[5]));
-      const V d = vcombine_u16(vld1_u16(around[6]), vld1_u16(around[7]));
+      // From the sums before the winners on. No winner, -1, makes none of these numbers negative.
+      const V from = vaddq_u16(vld1q_u16(places.data()),
+                               vreinterpretq_u16_s16(vaddq_s16(winner, vdupq_n_s16(1))));
+      const V bytes = vshlq_n_u16(from, 1);
+      const V a = two_fours<0>(columns - 2, bytes);
+      const V b = two_fours<2>(columns - 2, bytes);
+      const V c = two_fours<4>(columns - 2, bytes);
+      const V d = two_fours<6>(columns - 2, bytes);
       const V low = vuzp1q_u16(a, b);
       const V high = vuzp1q_u16(c, d);
       const V before = shifted<kShift>(vuzp1q_u16(low, high));
@@ -178,6 +189,15 @@ struct Neon {
   }
 
  private:
+  // Four sums each from two places on.
+  template <int kLane>
+  static V two_fours(const std::uint16_t* columns, V bytes) noexcept {
+    const auto four = [columns](std::uint16_t place) noexcept {
+      const std::byte* const at = reinterpret_cast<const std::byte*>(columns) + place;  // NOLINT
+      return vld1_u16(reinterpret_cast<const std::uint16_t*>(at));                      // NOLINT
+    };
+    return vcombine_u16(four(vgetq_lane_u16(bytes, kLane)), four(vgetq_lane_u16(bytes, kLane + 1)));
+  }
   static void store_winners(std::int16_t* p, int16x8_t v) noexcept {
     vst1q_s16(p, v);
     unmutate(p);

@@ -13,6 +13,6 @@ namespace stof::dsp {
 // brings its group along. At most 256 lanes; winners.size() = columns + lanes - 1.
 using NumberedRightWinners = void(std::span<const std::uint16_t> costs, int lanes,
                                   std::span<std::int16_t> winners) noexcept;
-STOF_KERNEL(NumberedRightWinners, numbered_right_winners, kAvx2)
+STOF_KERNEL(NumberedRightWinners, numbered_right_winners, kAvx512)
 
 }  // namespace stof::dsp

@@ -9,9 +9,9 @@
 #include "dsp/stereo/search/numbered_right_winners.h"
 
 // numbered_right_winners() of the vector variants. Isa is the vocabulary of one of them:
-//   V, kLanes                      16 lanes of u16
+//   V, kLanes                      16 or 32 lanes of u16
 //   load, all, smaller, either (bitwise or)
-//   repeated(p)                    eight elements, twice
+//   repeated(p)                    eight elements, over and over
 //   number_where_equal(number, a, lowest)  all ones where a is above the lowest
 //   winners_of(lowest, number)     lowest's group and the number in it as a candidate, 0 .. 63
 //   better(a, b)                   a mask: the cost of a is below that of b, without their numbers
@@ -57,7 +57,18 @@ class Strip {
   }
 
  private:
-  using Eights = std::array<V, 8>;  // the lowest by candidate of the first lane, modulo 8
+  // The lowest by candidate of the first lane, modulo 8. As an argument of a template a vector
+  // would lose its attributes.
+  struct Eights {
+    V lowest[8];
+    V& operator[](std::size_t k) noexcept { return lowest[k]; }
+    const V& operator[](std::size_t k) const noexcept { return lowest[k]; }
+    void fill(V v) noexcept {
+      for (V& each : lowest) {
+        each = v;
+      }
+    }
+  };
 
   const std::uint16_t* column(int x) const noexcept {
     return costs_ + static_cast<std::ptrdiff_t>(x) * lanes_;
@@ -71,16 +82,17 @@ class Strip {
     const std::ptrdiff_t step = lanes_ + 1;
     for (int i = 0; i + kLanes < count_; i += 8) {
       meet_eight(at, step, eights);
-      at += 8 * step;
     }
     // Candidates from count_ - kLanes on, of which the first one is met by all.
     end<0>(at, eights);
     return found(eights);
   }
 
-  static void meet_eight(const std::uint16_t* at, std::ptrdiff_t step, Eights& eights) noexcept {
-    for (std::size_t k = 0; k < 8; ++k) {
-      eights[k] = Isa::smaller(eights[k], Isa::load(at + static_cast<std::ptrdiff_t>(k) * step));
+  // One column after the other: on ARM a load takes the step along.
+  static void meet_eight(const std::uint16_t*& at, std::ptrdiff_t step, Eights& eights) noexcept {
+    for (V& lowest : eights.lowest) {
+      lowest = Isa::smaller(lowest, Isa::load(at));
+      at += step;
     }
   }
 
@@ -172,7 +184,6 @@ class Strip {
 template <typename Isa>
 void find(std::span<const std::uint16_t> costs, int lanes,
           std::span<std::int16_t> winners) noexcept {
-  using V = typename Isa::V;
   const int step = static_cast<int>(Isa::kLanes);
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && lanes <= 256);
   const int n = static_cast<int>(costs.size()) / lanes;
@@ -192,7 +203,7 @@ void find(std::span<const std::uint16_t> costs, int lanes,
     auto [lowest, winner] = strips[0].find(j);
     for (int first = 64; first < lanes; first += 64) {
       const auto found = strips[static_cast<std::size_t>(first) / 64].find(j - first);
-      const V better = Isa::better(found.lowest, lowest);
+      const auto better = Isa::better(found.lowest, lowest);
       lowest = Isa::select(better, found.lowest, lowest);
       winner = Isa::select(
           better, Isa::add(found.winners, Isa::all(static_cast<std::uint16_t>(first))), winner);

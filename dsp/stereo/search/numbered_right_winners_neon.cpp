@@ -12,7 +12,7 @@ struct NumberedLanes {
   using V = uint16x8x2_t;
   static constexpr std::size_t kLanes = 16;
 
-  static V load(const std::uint16_t* p) noexcept { return {{L::load(p), L::load(p + 8)}}; }
+  static V load(const std::uint16_t* p) noexcept { return vld1q_u16_x2(p); }
   static V repeated(const std::uint16_t* p) noexcept { return {{L::load(p), L::load(p)}}; }
   static V all(std::uint16_t v) noexcept { return {{L::all(v), L::all(v)}}; }
   static V smaller(V a, V b) noexcept { return each(L::smaller, a, b); }

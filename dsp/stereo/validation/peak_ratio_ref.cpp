@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdlib>
+#include <type_traits>
 
 #include "dsp/base/check.h"
 #include "dsp/stereo/cost/sad.h"
+#include "dsp/stereo/search/block_winners.h"
 #include "dsp/stereo/search/winner.h"
 
 namespace stof::dsp::ref {
@@ -14,11 +16,21 @@ namespace {
 constexpr std::uint8_t kNothingKnown = 255;
 
 template <typename Sum>
-std::uint8_t ratio_of(std::span<const Sum> costs, int winner) noexcept {
-  const Sum cost = costs[static_cast<std::size_t>(winner)];
+Sum cost_of(Sum sum, [[maybe_unused]] bool numbered) noexcept {
+  if constexpr (std::is_same_v<Sum, std::uint16_t>) {
+    return numbered ? cost_of_numbered(sum) : sum;
+  } else {
+    return sum;
+  }
+}
+
+template <typename Sum>
+std::uint8_t ratio_of(std::span<const Sum> costs, bool numbered, int winner) noexcept {
+  const Sum cost = cost_of(costs[static_cast<std::size_t>(winner)], numbered);
   Sum rival = kNoCost<Sum>;
   for (int i = 0; i < static_cast<int>(costs.size()); ++i) {
-    rival = std::abs(i - winner) > 1 ? std::min(rival, costs[static_cast<std::size_t>(i)]) : rival;
+    const Sum other = cost_of(costs[static_cast<std::size_t>(i)], numbered);
+    rival = std::abs(i - winner) > 1 ? std::min(rival, other) : rival;
   }
   if (cost == kNoCost<Sum> || rival == kNoCost<Sum> || cost >= rival) {
     return kNothingKnown;
@@ -29,14 +41,16 @@ std::uint8_t ratio_of(std::span<const Sum> costs, int winner) noexcept {
 }  // namespace
 
 template <typename Sum>
-void peak_ratio(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
-                std::span<std::uint8_t> ratio) noexcept {
+void peak_ratio(std::span<const Sum> costs, int lanes, bool numbered,
+                std::span<const std::int16_t> winners, std::span<std::uint8_t> ratio) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && lanes <= 256 &&
              costs.size() == winners.size() * count && ratio.size() == winners.size());
+  STOF_CHECK(!numbered || (std::is_same_v<Sum, std::uint16_t>));
   for (std::size_t x = 0; x < winners.size(); ++x) {
-    ratio[x] = winners[x] == kNoWinner ? kNothingKnown
-                                       : ratio_of(costs.subspan(x * count, count), winners[x]);
+    ratio[x] = winners[x] == kNoWinner
+                   ? kNothingKnown
+                   : ratio_of(costs.subspan(x * count, count), numbered, winners[x]);
   }
 }
 

@@ -14,8 +14,8 @@
 namespace stof::wire {
 namespace {
 
-// Differences from -kNear to kNear - 1 have at most four nibbles: those below, the number of bits
-// above.
+// Differences from -kNear to kNear - 1 have at most four nibbles: the number of bits below, so that
+// entries are shifts and sums of them are, too; the nibbles above.
 constexpr std::uint32_t kNear = 2048;
 constexpr unsigned kBitsAt = 16;
 constexpr std::array<std::uint32_t, std::size_t{2} * kNear> kNearNumbers = [] {
@@ -23,15 +23,19 @@ constexpr std::array<std::uint32_t, std::size_t{2} * kNear> kNearNumbers = [] {
   for (std::uint32_t i = 0; i < numbers.size(); ++i) {
     const std::uint32_t number = i < kNear ? 2 * (kNear - i) - 1 : 2 * (i - kNear);
     const RvlPattern pattern = rvl_spread(number);
-    numbers[i] = pattern.bits | (kRvlNibbleBits * pattern.nibbles << kBitsAt);
+    numbers[i] = pattern.bits << kBitsAt | kRvlNibbleBits * pattern.nibbles;
   }
   return numbers;
 }();
 // Place of a difference in it; outside of it where it is not near.
 template <typename T>
 std::uint32_t near(T value, T before) noexcept {
-  const auto difference = static_cast<std::make_signed_t<T>>(static_cast<T>(value - before));
-  return static_cast<std::uint32_t>(difference + static_cast<std::int32_t>(kNear));
+  if constexpr (sizeof(T) > 1) {  // those that wrap to near ones are as well not in the table
+    return value + kNear - before;
+  } else {
+    const auto difference = static_cast<std::make_signed_t<T>>(static_cast<T>(value - before));
+    return static_cast<std::uint32_t>(difference + static_cast<std::int32_t>(kNear));
+  }
 }
 
 // Whole or part of a word or two: nibbles, the first ones lowest.
@@ -40,10 +44,33 @@ struct Nibbles {
   unsigned count = 0;  // bits, not nibbles
 };
 constexpr Nibbles of_near(std::uint32_t entry) noexcept {
-  return {.bits = entry & ((1U << kBitsAt) - 1), .count = entry >> kBitsAt};
+  return {.bits = entry >> kBitsAt, .count = entry % (1U << kBitsAt)};
 }
-constexpr Nibbles joined(Nibbles first, Nibbles second) noexcept {
-  return {.bits = first.bits | (second.bits << first.count), .count = first.count + second.count};
+// Four numbers of the table. Shifts take the lowest six bits, for which processors need nothing.
+constexpr Nibbles of_near(std::uint32_t first, std::uint32_t second, std::uint32_t third,
+                          std::uint32_t fourth) noexcept {
+  constexpr std::uint32_t kShift = 64;
+  const std::uint32_t two = first + second;
+  const std::uint32_t three = two + third;
+  const auto nibbles = [](std::uint32_t entry) noexcept { return std::uint64_t{entry >> kBitsAt}; };
+  return {.bits = nibbles(first) | nibbles(second) << first % kShift |
+                  nibbles(third) << two % kShift | nibbles(fourth) << three % kShift,
+          .count = (three + fourth) % (1U << kBitsAt)};
+}
+constexpr Nibbles of_pattern(RvlPattern pattern) noexcept {
+  return {.bits = pattern.bits, .count = kRvlNibbleBits * pattern.nibbles};
+}
+// A number; the length of a run mostly is in the table.
+constexpr Nibbles of_number(std::uint32_t number) noexcept {
+  const std::uint32_t sign = 0 - number % 2;  // all ones where it stands for one below 0
+  return number < kNearNumbers.size() ? of_near(kNearNumbers[kNear + ((number / 2) ^ sign)])
+                                      : of_pattern(rvl_spread(number));
+}
+template <typename T>
+Nibbles of_difference(T value, T before) noexcept {
+  const std::uint32_t place = near(value, before);
+  return place < kNearNumbers.size() ? of_near(kNearNumbers[place])
+                                     : of_pattern(rvl_spread(rvl_zigzag(value, before)));
 }
 
 // Vectors that compilers make of what each processor has; a true mask is all ones.
@@ -88,7 +115,7 @@ struct Eight {
   return std::bit_cast<U16x8>(v > bound);
 }
 
-// Writes nibbles, in the order of rvl_numbers.h; the caller has seen that they fit.
+// Writes nibbles, in the order of rvl_numbers.h.
 class Writer {
  public:
   // Most that add_many() takes.
@@ -104,12 +131,21 @@ class Writer {
     return static_cast<std::uint32_t>(2 * at_) + bits_ / kRvlNibbleBits;
   }
 
-  void add(RvlPattern pattern) noexcept {
-    pending_ |= std::uint64_t{pattern.bits} << bits_;
-    for (bits_ += kRvlNibbleBits * pattern.nibbles; bits_ >= kByteBits; bits_ -= kByteBits) {
+  // Of one number; false: there is no room for it.
+  bool add(Nibbles number) noexcept {
+    if (takes_many()) [[likely]] {
+      add_many(number);
+      return true;
+    }
+    if (number.count > kRvlNibbleBits * left()) {
+      return false;
+    }
+    pending_ |= number.bits << bits_;
+    for (bits_ += number.count; bits_ >= kByteBits; bits_ -= kByteBits) {
       out_[at_++] = static_cast<std::byte>(pending_ & 0xFFU);
       pending_ >>= kByteBits;
     }
+    return true;
   }
 
   // Whether there is room for kMostBits, with two words of its own.
@@ -183,11 +219,12 @@ class Encoder {
   [[gnu::always_inline]] bool add_zeros() noexcept {
     const auto rest = values_.subspan(at_);
     const auto count = static_cast<std::uint32_t>(run_of<true>(rest));
-    const RvlPattern length = rvl_spread(count);
-    if (length.nibbles + 1 > writer_.left()) {
+    const Nibbles length = of_number(count);
+    const std::uint32_t nibbles = length.count / kRvlNibbleBits;
+    if (nibbles + 1 > writer_.left()) {
       return false;
     }
-    run_ = {.count_at = writer_.nibbles(), .count_nibbles = length.nibbles, .zeros = true};
+    run_ = {.count_at = writer_.nibbles(), .count_nibbles = nibbles, .zeros = true};
     writer_.add(length);
     const std::size_t begin = at_;
     at_ += count;
@@ -204,15 +241,16 @@ class Encoder {
     const std::size_t most = std::min<std::size_t>(values_.size() - at_, writer_.left());
     const auto rest = values_.subspan(at_, most);
     const std::size_t count = run_of<false>(rest);
-    const RvlPattern length = rvl_spread(static_cast<std::uint32_t>(count));
+    const Nibbles length = of_number(static_cast<std::uint32_t>(count));
+    const std::uint32_t nibbles = length.count / kRvlNibbleBits;
     if (count == 0) {
       // The values end, or `out` does: what is already said by the cut after the zeros.
       return false;
     }
-    if (length.nibbles >= writer_.left()) {
+    if (nibbles >= writer_.left()) {
       return false;
     }
-    run_ = {.count_at = writer_.nibbles(), .count_nibbles = length.nibbles};
+    run_ = {.count_at = writer_.nibbles(), .count_nibbles = nibbles};
     writer_.add(length);
     const std::size_t begin = at_;
     const std::size_t end = at_ + count;
@@ -246,9 +284,8 @@ class Encoder {
         const std::uint32_t third = near(values[at + 2], values[at + 1]);
         const std::uint32_t fourth = near(values[at + 3], values[at + 2]);
         if ((first | second | third | fourth) < kNearNumbers.size()) [[likely]] {
-          const Nibbles all =
-              joined(joined(of_near(kNearNumbers[first]), of_near(kNearNumbers[second])),
-                     joined(of_near(kNearNumbers[third]), of_near(kNearNumbers[fourth])));
+          const Nibbles all = of_near(kNearNumbers[first], kNearNumbers[second],
+                                      kNearNumbers[third], kNearNumbers[fourth]);
           if (all.count <= Writer::kMostBits) [[likely]] {
             writer.add_many(all);
             before = values[at + 3];
@@ -257,13 +294,8 @@ class Encoder {
           }
         }
       }
-      const RvlPattern pattern = rvl_spread(rvl_zigzag(values[at], before));
-      if (writer.takes_many()) {
-        writer.add_many({.bits = pattern.bits, .count = kRvlNibbleBits * pattern.nibbles});
-      } else if (pattern.nibbles > writer.left()) {
+      if (!writer.add(of_difference(values[at], before))) {
         break;
-      } else {
-        writer.add(pattern);
       }
       before = values[at];
       ++at;

@@ -44,6 +44,7 @@ const std::map<std::string_view, Make>& tasks() {
   static const std::map<std::string_view, Make> kTasks{
       {"wta", [] { return matching(block_params(kDisparities)); }},
       {"fast", [] { return matching(preset_params("fast", kDisparities)); }},
+      {"fast_depth", [] { return matching(appliance_params("fast", kDisparities)); }},
       {"quality", [] { return matching(preset_params("quality", kDisparities)); }},
       {"pyramid1", [] { return matching(pyramid_params(1, kDisparities)); }},
       {"pyramid2", [] { return matching(pyramid_params(2, kDisparities)); }},

@@ -28,15 +28,7 @@ DistanceVotes::DistanceVotes(int width, int height, std::uint32_t range, Arena& 
   line_ = arena.take_passing<std::uint16_t>(elements(width, 1, bins_));
 }
 
-std::size_t DistanceVotes::at(int cell_x, int cell_y) const noexcept {
-  return (pixel_count(cell_y, cells_x_) + index(cell_x)) * bins_;
-}
-
 void DistanceVotes::clear() noexcept { std::ranges::fill(votes_, std::uint16_t{0}); }
-
-void DistanceVotes::add(int x, int y, QuarterMm distance) noexcept {
-  ++votes_[at(x / kCell, y / kCell) + index(distance >> bin_bits_) + 1];
-}
 
 void DistanceVotes::sum() noexcept {
   const std::size_t row = index(cells_x_) * bins_;
@@ -58,14 +50,6 @@ void DistanceVotes::sum() noexcept {
       out[i + bins_] = static_cast<std::uint16_t>(out[i + bins_] + line_[i]);
     }
   }
-}
-
-int DistanceVotes::around(int x, int y, QuarterMm distance) const noexcept {
-  // Of a bin's lower half the bin below is the nearer neighbour, of its upper half the one above.
-  const int half = 1 << (bin_bits_ - 1);
-  const std::size_t bin = index((distance + half) >> bin_bits_);
-  const std::span<const std::uint16_t> sums = sums_.subspan(at(x / kCell, y / kCell), bins_);
-  return sums[bin] + sums[bin + 1];
 }
 
 }  // namespace stof::dsp

@@ -6,6 +6,7 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/base/fixed.h"
+#include "dsp/base/index.h"
 
 namespace stof::dsp {
 
@@ -20,15 +21,38 @@ class DistanceVotes {
   // there would be more than kMostBins.
   DistanceVotes(int width, int height, std::uint32_t range, Arena& arena) noexcept;
 
+  // The sums of the cells around a pixel.
+  class Around {
+   public:
+    Around(const std::uint16_t* sums, int bin_bits) noexcept : sums_(sums), bin_bits_(bin_bits) {}
+    // Votes for distances within half a bin to one bin of this one.
+    int of(QuarterMm distance) const noexcept {
+      // Of a bin's lower half the bin below is the nearer neighbour, of its upper half the one
+      // above.
+      const int half = 1 << (bin_bits_ - 1);
+      const std::size_t bin = index((distance + half) >> bin_bits_);
+      return sums_[bin] + sums_[bin + 1];
+    }
+
+   private:
+    const std::uint16_t* sums_;
+    int bin_bits_;
+  };
+
   void clear() noexcept;
-  void add(int x, int y, QuarterMm distance) noexcept;
+  void add(int x, int y, QuarterMm distance) noexcept {
+    ++votes_[at(x / kCell, y / kCell) + index(distance >> bin_bits_) + 1];
+  }
   // After all add(): sums up. Then around() may be asked until clear().
   void sum() noexcept;
-  // Votes of the cells around the pixel for distances within half a bin to one bin of this one.
-  int around(int x, int y, QuarterMm distance) const noexcept;
+  Around around(int x, int y) const noexcept {
+    return {&sums_[at(x / kCell, y / kCell)], bin_bits_};
+  }
 
  private:
-  std::size_t at(int cell_x, int cell_y) const noexcept;
+  std::size_t at(int cell_x, int cell_y) const noexcept {
+    return (pixel_count(cell_y, cells_x_) + index(cell_x)) * bins_;
+  }
 
   int cells_x_;
   int cells_y_;

@@ -1,6 +1,7 @@
 #include "dsp/fusion/unwrap/decision/surface_votes.h"
 
 #include <algorithm>
+#include <array>
 
 #include "dsp/base/index.h"
 
@@ -10,6 +11,20 @@ namespace {
 constexpr std::size_t kPerWord = 4;
 constexpr std::size_t kBits = 16;  // of a count: at most (2 kArm + 1) times a height of 4096
 constexpr std::size_t kMostWords = kMostWrapCounts / kPerWord + 1;
+
+// What a pixel adds to a word of sums, by its vote less kNoReading.
+using WordCounts = std::array<std::uint64_t, kMostWrapCounts - kNoReading>;
+WordCounts counts_of(std::size_t word) noexcept {
+  WordCounts counts;
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    const int vote = static_cast<int>(k) + kNoReading;
+    const int place = vote + 1 - static_cast<int>(word * kPerWord);  // in the word
+    const bool counted = vote >= 0 && place >= 0 && place < static_cast<int>(kPerWord);
+    counts[k] = (word == 0 ? 1U : 0U) +
+                (counted ? std::uint64_t{1} << (kBits * index(place)) : std::uint64_t{0});
+  }
+  return counts;
+}
 
 // How many of the kArm first links are whole: 1 each, 0 where the surface ends. step: to the next.
 std::uint8_t unbroken(const std::uint8_t* link, std::ptrdiff_t step) noexcept {
@@ -84,21 +99,25 @@ void SurfaceVotes::reach() noexcept {
 void SurfaceVotes::sum_row(int y, std::span<const std::int8_t> votes) noexcept {
   const std::size_t row = index(width_);
   const std::size_t first = pixel_count(width_, y);
-  for (std::size_t word = 0; word < words_; ++word) {
-    const int origin = static_cast<int>(word * kPerWord) - 1;  // wrap count of the lowest count
-    const std::uint64_t pixel = word == 0 ? 1 : 0;
+  const std::size_t words = words_;  // a word that is written could be a member
+  const std::int8_t* const vote = votes.data() + first;
+  const std::uint8_t* const left = left_arm_.data() + first;
+  const std::uint8_t* const right = right_arm_.data() + first;
+  std::uint64_t* const line = line_.data();
+  for (std::size_t word = 0; word < words; ++word) {
+    const WordCounts counts = counts_of(word);
     std::uint64_t sum = 0;
-    line_[0] = 0;
+    line[0] = 0;
     for (std::size_t x = 0; x < row; ++x) {
-      const int vote = votes[first + x] - origin;
-      const bool here = votes[first + x] >= 0 && vote >= 0 && vote < static_cast<int>(kPerWord);
-      sum += pixel + (here ? std::uint64_t{1} << (kBits * index(vote)) : 0);
-      line_[x + 1] = sum;
+      sum += counts[static_cast<std::size_t>(vote[x] - kNoReading)];
+      line[x + 1] = sum;
     }
+    const std::uint64_t* above = columns_.data() + first * words + word;
+    std::uint64_t* here = columns_.data() + (first + row) * words + word;
     for (std::size_t x = 0; x < row; ++x) {
-      const std::size_t i = first + x;
-      columns_[(i + row) * words_ + word] =
-          columns_[i * words_ + word] + line_[x + right_arm_[i] + 1] - line_[x - left_arm_[i]];
+      *here = *above + line[x + right[x] + 1] - line[x - left[x]];
+      here += words;
+      above += words;
     }
   }
 }

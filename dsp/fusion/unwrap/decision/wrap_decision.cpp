@@ -85,9 +85,11 @@ void WrapDecision::link_all(const WrapMaps& maps) noexcept {
 bool WrapDecision::prevails(const WrapMaps& maps, int x, int y, int wanted) const noexcept {
   int mine = 0;
   int rival = 0;
-  const std::size_t i = maps.place(x, y);
-  for (int k = 0; k < maps.wrap_counts && maps.distance(i, k) <= kMaxQuarterMm; ++k) {
-    const int votes = window_.around(x, y, static_cast<QuarterMm>(maps.distance(i, k)));
+  const DistanceVotes::Around around = window_.around(x, y);
+  const std::uint32_t range = maps.range;
+  std::uint32_t distance = maps.readings[maps.place(x, y)].distance;
+  for (int k = 0; k < maps.wrap_counts && distance <= kMaxQuarterMm; ++k, distance += range) {
+    const int votes = around.of(static_cast<QuarterMm>(distance));
     mine = k == wanted ? votes : mine;
     rival = k == wanted ? rival : std::max(rival, votes);
   }
@@ -132,11 +134,15 @@ void WrapDecision::decide_by_surfaces(WrapMaps& maps) noexcept {
   }
   window_.sum();
   surfaces_.sum(maps.vote, maps.wrap_counts);
+  // Local spans: bytes that are written cannot change them.
+  const std::span<const std::int8_t> vote = maps.vote;
+  const std::span<const bool> bright = maps.bright;
+  const std::span<std::int8_t> wraps = maps.wraps;
+  std::size_t i = 0;
   for (int y = 0; y < maps.height; ++y) {
-    for (int x = 0; x < maps.width; ++x) {
-      const std::size_t i = maps.place(x, y);
-      const bool open = maps.vote[i] != kNoReading && !maps.bright[i];
-      maps.wraps[i] = open ? by_surface(maps, x, y) : maps.vote[i];
+    for (int x = 0; x < maps.width; ++x, ++i) {
+      const bool open = vote[i] != kNoReading && !bright[i];
+      wraps[i] = open ? by_surface(maps, x, y) : vote[i];
     }
   }
 }
@@ -159,13 +165,14 @@ void WrapDecision::join_regions(const WrapMaps& maps) noexcept {
       join(i, i + row, below);
     }
   }
+  // What is decided and stands alone speaks for nobody.
   for (std::size_t i = 0; i < all; ++i) {
-    if (maps.bright[i]) {
+    if (maps.bright[i] && !regions_.stands_alone(i)) {
       regions_.prove(i);
     }
   }
   for (std::size_t i = 0; i < all; ++i) {
-    if (maps.wraps[i] >= 0 && !maps.bright[i]) {
+    if (maps.wraps[i] >= 0 && !maps.bright[i] && !regions_.stands_alone(i)) {
       regions_.contradict(i, maps.wraps[i]);
     }
   }
@@ -263,11 +270,16 @@ void WrapDecision::decide(AmplitudeBound& bound, WrapMaps& maps) noexcept {
     }
     bound.end_learning();
   }
+  // Local spans, as above.
+  const std::span<const std::int8_t> vote = maps.vote;
+  const std::span<const std::uint16_t> mixed = maps.mixed;
+  const std::span<std::int8_t> decided = maps.wraps;
+  const std::span<bool> seen = maps.seen;
   for (std::size_t i = 0; i < all; ++i) {
-    const std::int8_t so_far = maps.wraps[i];
+    const std::int8_t so_far = decided[i];
     const std::int8_t wraps = so_far >= 0 ? so_far : decide_last(bound, maps, i);
-    maps.seen[i] = wraps > 0 && maps.vote[i] == wraps;
-    maps.wraps[i] = wraps >= 0 && has_bit(maps.mixed, i, wraps) ? kRefutedWraps : wraps;
+    seen[i] = wraps > 0 && vote[i] == wraps;
+    decided[i] = wraps >= 0 && has_bit(mixed, i, wraps) ? kRefutedWraps : wraps;
   }
   drop_mixed(maps);
 }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "dsp/base/arena.h"
+#include "dsp/base/index.h"
 
 namespace stof::dsp {
 
@@ -19,6 +20,10 @@ class WrapRegions {
   // The surface goes on from a to b, and wraps(b) = wraps(a) + gain, gain -1, 0 or 1. A surface
   // that comes back to itself one wrap later is no surface: its wrap count stays unknown.
   void unite(std::size_t a, std::size_t b, int gain) noexcept;
+  // Whether no other pixel is in its set: what it proves counts for itself alone.
+  bool stands_alone(std::size_t pixel) const noexcept {
+    return size_[pixel] == 1 && index(parent_[pixel]) == pixel;
+  }
 
   // After all unite(): a pixel that has not wrapped: its amplitude proves it.
   void prove(std::size_t pixel) noexcept;
