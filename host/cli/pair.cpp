@@ -237,7 +237,9 @@ std::string asked_text(const wire::PairOffer& offer) {
   return std::string(", role ")
       .append(wire::role_text(offer.role))
       .append(", asked for ")
-      .append(by == "::" ? "over this line" : "by " + by);
+      .append(by == "::"                ? "over this line"
+              : by == "255.255.255.255" ? "by broadcast"
+                                        : "by " + by);
 }
 
 // Whoever holds the cable stands for the button. He types the digits once more: who only has to say

@@ -99,7 +99,7 @@ class CommandLine(Program):
     def test_help_names_every_command_and_the_exit_codes(self):
         self.assertIn("Ends with 0", self.succeed("--help"))
         found = self.commands_of()
-        self.assertLessEqual({"bridge", "calib", "check", "completion", "config", "discover", "evaluate", "export", "health", "info", "pair",
+        self.assertLessEqual({"address", "bridge", "calib", "check", "completion", "config", "discover", "evaluate", "export", "health", "info", "pair",
                               "proxy", "record", "recover", "replay", "report", "stats", "unpair", "update", "view"}, set(found))
         for command in found:
             below = self.commands_of(command)
