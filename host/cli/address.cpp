@@ -11,6 +11,7 @@
 
 #include "host/cli/config/settings_text.h"
 #include "host/cli/failure.h"
+#include "host/cli/help_text.h"
 #include "host/cli/json_output.h"
 #include "host/cli/output.h"
 #include "host/cli/own_keys.h"

@@ -133,21 +133,29 @@ void FoundSensors::found_by(FoundSensor& sensor, const std::string& from, Discov
   // Of two that answer the one that all programs take.
   const bool plainer =
       method == DiscoveryMethod::kDirect && is_link_local(sensor.address) && !is_link_local(from);
-  if (plainer || std::ranges::none_of(better, [](bool known) { return known; })) {
+  if (plainer || sensor.address == kNoAddress ||
+      std::ranges::none_of(better, [](bool known) { return known; })) {
     sensor.address = from;
   }
+  if (from != kNoAddress) {
+    note_address(sensor, from, method);
+  }
+  sensor.methods[static_cast<std::size_t>(method)] = true;
+}
+
+void FoundSensors::note_address(FoundSensor& sensor, const std::string& from,
+                                DiscoveryMethod method) {
   // Any of its addresses may be one that this machine reaches.
-  const bool silent = !sensor.methods[static_cast<std::size_t>(DiscoveryMethod::kDirect)];
+  const bool answers = sensor.methods[static_cast<std::size_t>(DiscoveryMethod::kDirect)] ||
+                       method == DiscoveryMethod::kDirect;
   std::string endpoint = endpoint_of(from, sensor.port);
-  if (method != DiscoveryMethod::kDirect && silent && asked_.size() < kMostSensors &&
-      asked_.insert(endpoint).second) {
+  if (!answers && asked_.size() < kMostSensors && asked_.insert(endpoint).second) {
     silent_.push_back(std::move(endpoint));
   }
   if (sensor.heard.size() < kMostHeard &&
       std::ranges::find(sensor.heard, from) == sensor.heard.end()) {
     sensor.heard.push_back(from);
   }
-  sensor.methods[static_cast<std::size_t>(method)] = true;
 }
 
 bool FoundSensors::take_packet(std::span<const std::byte> datagram, const std::string& from,

@@ -18,6 +18,9 @@ enum class DiscoveryMethod : std::uint8_t { kMdns, kBeacon, kDirect };
 inline constexpr std::size_t kDiscoveryMethods = 3;
 const char* to_string(DiscoveryMethod method) noexcept;
 
+// From which a sensor answers by broadcast that has no IPv4 address.
+inline constexpr const char* kNoAddress = "0.0.0.0";
+
 struct FoundSensor {
   std::uint32_t device_id = 0;
   std::uint32_t session_id = 0;  // of the newest datagram; 0: known from multicast DNS alone
@@ -25,7 +28,8 @@ struct FoundSensor {
   std::string name{};
   std::string version{};
   std::string board{};
-  std::string address{};  // numeric, of the surest method; of link-local IPv6 with %interface
+  // Numeric, of the surest method; of link-local IPv6 with %interface; kNoAddress: it has none.
+  std::string address{};
   std::uint16_t port = 0;
   std::array<bool, kDiscoveryMethods> methods{};
   bool answers_link = false;         // a question to a whole link, by broadcast
@@ -63,6 +67,7 @@ class FoundSensors {
  private:
   FoundSensor& entry(std::uint32_t device_id, const std::string& serial, std::uint16_t port);
   void found_by(FoundSensor& sensor, const std::string& from, DiscoveryMethod method);
+  void note_address(FoundSensor& sensor, const std::string& from, DiscoveryMethod method);
 
   std::vector<FoundSensor> sensors_;
   std::vector<std::string> silent_;

@@ -239,8 +239,11 @@ Status UdpPort::send_by(int fd, const Peer& to,
     std::size_t taken = 0;
     const Status status = send_batch(fd, std::span(messages).first(count), taken);
     sent += taken;
-    if (status == Status::kDeviceError && own.is_known()) {
-      own.forget();  // this machine may not have that address any more
+    // This machine may not have that address any more. What goes to all of a link never goes to
+    // another one.
+    if (status == Status::kDeviceError && own.is_known() &&
+        (family_ == AF_INET6 || to.scope == 0)) {
+      own.forget();
       continue;
     }
     if (status != Status::kOk) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <net/if.h>
 
 #include "hal/linux/ports/peer_address.h"
 #include "hal/network_interfaces.h"
@@ -145,6 +146,32 @@ TEST(UdpPort, SendsToAllHostsOnlyWhereItWasAskedTo) {
   }
 }
 
+// By that interface, whatever the routes say; whoever hears it knows by which it came.
+TEST(UdpPort, WhatGoesToAllOfALinkIsToldFromWhatGoesToOne) {
+  const unsigned loopback = if_nametoindex("lo");
+  ASSERT_NE(loopback, 0U);
+  const auto broadcasts = open_port({.ipv4_only = true, .broadcast = true});
+  for (const bool ipv4_only : {false, true}) {
+    const auto port = open_port({.ipv4_only = ipv4_only});
+    const Peer all{.address = hal::kAllOfLink, .port = port->port(), .scope = loopback};
+    ASSERT_EQ(send(*broadcasts, all, "all"), Status::kOk);
+    ASSERT_EQ(send(*broadcasts, local(port->port()), "one"), Status::kOk);
+    for (const unsigned link : {loopback, 0U}) {
+      std::array<std::byte, 8> space;
+      const Result<hal::Received> received = port->receive(space, 60s);
+      ASSERT_TRUE(received);
+      EXPECT_EQ(received->link, link);
+      EXPECT_EQ(received->from.scope, 0U);
+    }
+    // Where that interface is none it goes nowhere else.
+    const Peer nowhere{.address = hal::kAllOfLink,
+                       .port = port->port(),
+                       .scope = 1U << 30,
+                       .own = hal::from_ipv4(127, 0, 0, 1)};
+    EXPECT_EQ(send(*broadcasts, nowhere, "lost"), Status::kDeviceError);
+  }
+}
+
 TEST(UdpPort, SendsAndReceivesMoreThanABatchInOrder) {
   const auto one = open_port();
   const auto two = open_port();
@@ -202,9 +229,7 @@ TEST(UdpPort, TellsWhoRefusesAndLosesNothingForIt) {
   const auto sensor = open_port({.refusals = true});
   const auto alive = open_port();
   std::uint16_t closed = 0;
-  {
-    closed = open_port()->port();
-  }
+  { closed = open_port()->port(); }
   for (int i = 0; i < 50; ++i) {  // each one's refusal meets the next datagram to somebody else
     ASSERT_EQ(send(*sensor, local(closed), "anybody?"), Status::kOk);
     ASSERT_EQ(send(*sensor, local(alive->port()), "frame"), Status::kOk);
@@ -225,9 +250,7 @@ TEST(UdpPort, TellsWhoRefusesOnIpv6) {
   }
   const auto sensor = open_port({.refusals = true});
   std::uint16_t closed = 0;
-  {
-    closed = open_port()->port();
-  }
+  { closed = open_port()->port(); }
   if (send(*sensor, local6(closed), "anybody?") != Status::kOk) {
     GTEST_SKIP() << "a machine without IPv6";
   }

@@ -92,11 +92,17 @@ TEST(FoundSensors, AsksEachAddressUntilOneAnswers) {
 
 TEST(FoundSensors, KnowsWhoAnswersByBroadcastAlone) {
   FoundSensors found;
+  // It has none; that is no place to ask at, since here it is this machine.
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "0.0.0.0", DiscoveryMethod::kBeacon));
+  EXPECT_EQ(found.sorted()[0].address, kNoAddress);
+  EXPECT_TRUE(found.sorted()[0].heard.empty());
+  EXPECT_TRUE(found.take_silent().empty());
   EXPECT_TRUE(found.take_packet(announcement("A17"), "10.0.0.5", DiscoveryMethod::kBeacon));
   EXPECT_FALSE(found.sorted()[0].by_link_alone());  // that is a beacon, nothing was asked
   EXPECT_TRUE(
       found.take_packet(announcement("A17", 7560, 8), "10.0.0.5", DiscoveryMethod::kBeacon));
   EXPECT_TRUE(found.sorted()[0].by_link_alone());
+  EXPECT_EQ(found.sorted()[0].address, "10.0.0.5");
   EXPECT_EQ(found.sorted()[0].session_id, 5U);
   EXPECT_TRUE(found.take_packet(announcement("A17"), "10.0.0.5", DiscoveryMethod::kDirect));
   EXPECT_FALSE(found.sorted()[0].by_link_alone());
