@@ -25,20 +25,23 @@ CODE = "00112233445566778899aabbccddeeff"
 FIRST, OURS, LEASE = "10.0.0.5/24", "192.168.1.7/24", "192.168.1.60/24"
 DEVICE, SERIAL = 0x23, "00000023"
 ASK = f"""
-import socket, sys
+import socket, sys, time
 asking = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 asking.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
 asking.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
 asking.setsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, b"stof0")
 asking.bind(("", int(sys.argv[1])))
-asking.settimeout(2)
 asking.sendto(bytes.fromhex(sys.argv[2]), ("255.255.255.255", 7560))
-try:
-    while (answer := asking.recv(2000))[5] == {wire.PacketType.ANNOUNCE} and answer[52:56] == bytes(4):
-        pass  # a beacon
-    print(answer.hex())
-except TimeoutError:
-    pass
+end = time.monotonic() + 2
+while (left := end - time.monotonic()) > 0:
+    asking.settimeout(left)
+    try:
+        answer = asking.recv(2000)
+    except TimeoutError:
+        break
+    if answer[5] != {wire.PacketType.ANNOUNCE.value} or answer[52:56] != bytes(4):  # no beacon
+        print(answer.hex())
+        break
 """
 
 
