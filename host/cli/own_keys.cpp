@@ -39,8 +39,8 @@ client::ControlOptions control_of(const std::string& file, const std::string& se
   control.keys = value_or_fail(client::read_user_keys(file));
   control.device_id = flags.device;
   if (!sensor.empty() || !flags.key.empty()) {
-    client::Meant meant = meant_or_fail(file, control.keys, sensor,
-                                        {.device = flags.device, .key_id = key_id_of(flags.key)});
+    const client::Meant meant = meant_or_fail(
+        file, control.keys, sensor, {.device = flags.device, .key_id = key_id_of(flags.key)});
     control.keys = meant.keys;
     control.device_id = meant.device;
   }

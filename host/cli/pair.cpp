@@ -234,12 +234,11 @@ std::string asked_text(const wire::PairOffer& offer) {
   std::string by = posix::make_address(from, 0).host();
   constexpr std::string_view kMapped = "::ffff:";
   by = by.starts_with(kMapped) ? by.substr(kMapped.size()) : by;
+  by = by == "255.255.255.255" ? "broadcast" : by;
   return std::string(", role ")
       .append(wire::role_text(offer.role))
       .append(", asked for ")
-      .append(by == "::"                ? "over this line"
-              : by == "255.255.255.255" ? "by broadcast"
-                                        : "by " + by);
+      .append(by == "::" ? "over this line" : "by " + by);
 }
 
 // Whoever holds the cable stands for the button. He types the digits once more: who only has to say

@@ -229,7 +229,9 @@ TEST(UdpPort, TellsWhoRefusesAndLosesNothingForIt) {
   const auto sensor = open_port({.refusals = true});
   const auto alive = open_port();
   std::uint16_t closed = 0;
-  { closed = open_port()->port(); }
+  {
+    closed = open_port()->port();
+  }
   for (int i = 0; i < 50; ++i) {  // each one's refusal meets the next datagram to somebody else
     ASSERT_EQ(send(*sensor, local(closed), "anybody?"), Status::kOk);
     ASSERT_EQ(send(*sensor, local(alive->port()), "frame"), Status::kOk);
@@ -250,7 +252,9 @@ TEST(UdpPort, TellsWhoRefusesOnIpv6) {
   }
   const auto sensor = open_port({.refusals = true});
   std::uint16_t closed = 0;
-  { closed = open_port()->port(); }
+  {
+    closed = open_port()->port();
+  }
   if (send(*sensor, local6(closed), "anybody?") != Status::kOk) {
     GTEST_SKIP() << "a machine without IPv6";
   }
