@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hal/network_interfaces.h"
 #include "tests/support/heap_guard.h"
 
 namespace stof::firmware {
