@@ -200,7 +200,7 @@ class BadInput(Program):
     def test_numbers_that_are_none(self):
         """Every option that takes a real number, of every command."""
         commands = {"evaluate fusion": ["a", "b"], "calib pmd": ["a", "--out", "b"], "view": [], "discover": [],
-                    "evaluate sequence": ["a"], "config": ["127.0.0.1:9", "get"],
+                    "evaluate sequence": ["a"], "config": ["127.0.0.1:9", "get"], "address": ["127.0.0.1:9", "dhcp"],
                     "proxy": ["--listen", "0", "--to", "127.0.0.1:9"]}
         if "Not in this build" not in self.succeed("calib", "--help"):
             commands["calib stereo"] = ["--planes", "a", "--out", "b"]
