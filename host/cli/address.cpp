@@ -223,12 +223,18 @@ class AddressChange {
       return std::nullopt;
     }
     static_cast<void>(taken(*answer, place));
-    const Json saved = read_document(sensor, Document::kSaved, place);
-    if (text_of(setting_of(saved, "network", "address")) != wish_.address) {
+    const auto saved = sensor.request(Operation::kGet, Document::kSaved, {});
+    const std::optional<Json> document = saved ? read_json(saved->text) : std::nullopt;
+    if (!document || !document->is_object()) {
+      refusal_ =
+          "it said that it had saved, and then nothing";  // asked again, it saves no second time
+      return std::nullopt;
+    }
+    if (text_of(setting_of(*document, "network", "address")) != wish_.address) {
       refusal_ = "the minute was over";
       return std::nullopt;
     }
-    return Kept{.address = address, .place = place, .others = others_saved(saved)};
+    return Kept{.address = address, .place = place, .others = others_saved(*document)};
   }
 
   // Whatever else had been changed and not saved is saved now, too.
