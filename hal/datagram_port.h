@@ -16,7 +16,7 @@ namespace stof::hal {
 struct Peer {
   std::array<std::uint8_t, 16> address{};
   std::uint16_t port = 0;   // 1 .. 65535
-  std::uint32_t scope = 0;  // interface of a link-local IPv6 address; else 0
+  std::uint32_t scope = 0;  // interface of a link-local IPv6 address, or of 255.255.255.255; else 0
   // The address of this machine that it speaks to, and is answered from, where there are several;
   // all zero: the system's choice. No part of who it is.
   std::array<std::uint8_t, 16> own{};
@@ -29,6 +29,9 @@ struct Peer {
 struct Received {
   std::size_t bytes = 0;
   Peer from;
+  // The interface by which it came to all hosts of its link, 255.255.255.255; 0: it came to this
+  // machine, or nobody knows.
+  std::uint32_t link = 0;
 };
 
 // A bound UDP port. One thread may send while another receives; neither allocates.

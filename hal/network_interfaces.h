@@ -36,6 +36,9 @@ constexpr std::array<std::uint8_t, 16> from_ipv4(std::uint8_t a, std::uint8_t b,
   return {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, a, b, c, d};
 }
 
+// All hosts of the link that Peer::scope names, and never one beyond it.
+inline constexpr std::array<std::uint8_t, 16> kAllOfLink = from_ipv4(255, 255, 255, 255);
+
 // The network interfaces of this machine.
 class NetworkInterfaces {
  public:

@@ -42,6 +42,7 @@ std::span<const std::byte> DatagramBatch::datagram(std::size_t index) const noex
 void DatagramBatch::read_control(msghdr& message, std::size_t index) noexcept {
   arrived_[index].reset();
   own_[index] = {};
+  links_[index] = 0;
   for (cmsghdr* entry = CMSG_FIRSTHDR(&message); entry != nullptr;
        entry = CMSG_NXTHDR(&message, entry)) {
     if (entry->cmsg_level != SOL_SOCKET) {
@@ -63,6 +64,9 @@ void DatagramBatch::read_own(const cmsghdr& entry, std::size_t index) noexcept {
   if (entry.cmsg_level == IPPROTO_IP && entry.cmsg_type == IP_PKTINFO) {
     in_pktinfo info{};
     std::memcpy(&info, CMSG_DATA(&entry), sizeof info);
+    if (info.ipi_addr.s_addr == INADDR_BROADCAST) {
+      links_[index] = static_cast<unsigned>(info.ipi_ifindex);
+    }
     if (info.ipi_spec_dst.s_addr != INADDR_ANY) {
       own_[index] = map_ipv4(info.ipi_spec_dst);
     }

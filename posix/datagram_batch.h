@@ -45,6 +45,9 @@ class DatagramBatch {
   // The address of this machine that it was sent to, an IPv4 one mapped; ::, where the socket does
   // not tell (UdpSocket::tell_own_address()) or it went to many.
   const in6_addr& own(std::size_t index) const noexcept { return own_[index]; }
+  // The interface by which it came to all hosts of its link (255.255.255.255); 0: to this machine,
+  // or the socket does not tell.
+  unsigned link(std::size_t index) const noexcept { return links_[index]; }
 
   // Datagrams that found the buffer full, where the socket counts them. Any thread may ask.
   std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
@@ -65,6 +68,7 @@ class DatagramBatch {
   std::array<SocketAddress, kMost> from_;
   std::array<std::optional<std::chrono::nanoseconds>, kMost> arrived_;
   std::array<in6_addr, kMost> own_;
+  std::array<unsigned, kMost> links_;
   std::array<iovec, kMost> vectors_;
   std::array<mmsghdr, kMost> messages_;
   std::uint32_t kernel_count_ = 0;  // of drops, wraps

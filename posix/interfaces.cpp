@@ -25,6 +25,10 @@ Interfaces list_interfaces() {
         std::ranges::find(out.multicast, index) == out.multicast.end()) {
       out.multicast.push_back(index);
     }
+    const unsigned to_hosts = entry->ifa_flags & (IFF_BROADCAST | IFF_LOOPBACK);
+    if (to_hosts == IFF_BROADCAST && std::ranges::find(out.links, index) == out.links.end()) {
+      out.links.push_back(index);
+    }
     const sockaddr* const broadcast = entry->ifa_broadaddr;
     if ((entry->ifa_flags & IFF_BROADCAST) != 0 && broadcast != nullptr &&
         broadcast->sa_family == AF_INET) {

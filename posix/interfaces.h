@@ -10,6 +10,7 @@ namespace stof::posix {
 struct Interfaces {
   std::vector<in_addr> broadcasts;
   std::vector<unsigned> multicast;  // indices
+  std::vector<unsigned> links;      // indices of those that carry IPv4 broadcasts to other hosts
 };
 // Lists the interfaces that are up.
 Interfaces list_interfaces();

@@ -1,6 +1,8 @@
 #include "posix/udp_socket.h"
 
+#include <array>
 #include <cerrno>
+#include <cstring>
 
 namespace stof::posix {
 namespace {
@@ -68,6 +70,29 @@ int UdpSocket::send_to(const SocketAddress& to,
   const ssize_t sent =
       sendto(fd(), datagram.data(), datagram.size(), MSG_NOSIGNAL, to.generic(), to.length);
   return sent < 0 ? errno : 0;
+}
+
+int UdpSocket::send_by(unsigned interface, const SocketAddress& to,
+                       std::span<const std::byte> datagram) const noexcept {
+  SocketAddress address = to;
+  iovec bytes{.iov_base = const_cast<std::byte*>(datagram.data()),  // NOLINT: only read
+              .iov_len = datagram.size()};
+  alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(in_pktinfo))> control{};
+  msghdr message{};
+  message.msg_name = address.generic();
+  message.msg_namelen = address.length;
+  message.msg_iov = &bytes;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  cmsghdr& entry = *CMSG_FIRSTHDR(&message);
+  entry.cmsg_level = IPPROTO_IP;
+  entry.cmsg_type = IP_PKTINFO;
+  entry.cmsg_len = CMSG_LEN(sizeof(in_pktinfo));
+  in_pktinfo info{};
+  info.ipi_ifindex = static_cast<int>(interface);
+  std::memcpy(CMSG_DATA(&entry), &info, sizeof info);
+  return sendmsg(fd(), &message, MSG_NOSIGNAL) < 0 ? errno : 0;
 }
 
 std::expected<std::size_t, int> UdpSocket::receive(std::span<std::byte> space,

@@ -49,6 +49,9 @@ class UdpSocket {
 
   int send(std::span<const std::byte> datagram) const noexcept;
   int send_to(const SocketAddress& to, std::span<const std::byte> datagram) const noexcept;
+  // The same of an IPv4 socket, by that interface, whatever the routes say.
+  int send_by(unsigned interface, const SocketAddress& to,
+              std::span<const std::byte> datagram) const noexcept;
   // The first bytes of the next datagram, as many as fit: how many. EAGAIN: there is none.
   std::expected<std::size_t, int> receive(std::span<std::byte> space,
                                           SocketAddress* from = nullptr) const noexcept;

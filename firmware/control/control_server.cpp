@@ -13,11 +13,17 @@ Status ControlServer::receive(hal::Duration wait, hal::Time (*now)() noexcept) n
       parts_.handler.take_oversized();
       continue;
     }
+    const bool over_link =
+        parts_.link != nullptr && received->link != 0 && received->from.port == kLinkPort;
+    hal::Peer from = received->from;
+    from.scope = over_link ? received->link : from.scope;
     const std::span<const std::byte> answer =
-        parts_.handler.take(std::span(space_).first(received->bytes), received->from, now());
+        parts_.handler.take(std::span(space_).first(received->bytes), from, now());
     if (!answer.empty()) {
       std::size_t sent = 0;
-      static_cast<void>(parts_.port.send(received->from, std::span(&answer, 1), sent));
+      static_cast<void>(
+          over_link ? parts_.link->send(all_of_link(received->link), std::span(&answer, 1), sent)
+                    : parts_.port.send(from, std::span(&answer, 1), sent));
     }
   }
   return Status::kOk;

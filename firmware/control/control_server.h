@@ -4,6 +4,7 @@
 #include <span>
 
 #include "firmware/control/lease_table.h"
+#include "firmware/control/link_way.h"
 #include "firmware/control/periodic_task.h"
 #include "firmware/control/receiver_list.h"
 #include "firmware/control/request_handler.h"
@@ -22,6 +23,7 @@ struct ControlParts {
   LeaseTable& subscribers;
   ReceiverRing& ring;
   std::span<PeriodicTask* const> tasks{};
+  hal::DatagramPort* link = nullptr;  // takes broadcasts; nullptr: nobody is answered by one
   // How long a quiet turn takes: between two rounds of the tasks.
   hal::Duration turn = std::chrono::milliseconds(20);
 };
@@ -38,7 +40,7 @@ class ControlServer {
 
   // Waits up to `wait` for a datagram and answers all that have come, up to kDatagramsPerTurn. The
   // port's status where it is gone: kDeviceLost, else kOk. An answer that the port does not take is
-  // dropped: whoever asked asks again.
+  // dropped: whoever asked asks again. Who asks over a link (link_way.h) is answered so.
   Status receive(hal::Duration wait, hal::Time (*now)() noexcept) noexcept;
   // Does what is due at `now`.
   void tick(hal::Time now) noexcept;

@@ -34,8 +34,15 @@ std::span<const std::byte> RequestHandler::take(std::span<const std::byte> datag
       header.type != PacketType::kPairRequest && header.type != PacketType::kDiscover) {
     return refuse(Count::kNotControl);
   }
-  if (header.origin.device_id != 0 && header.origin.device_id != origin_.device_id) {
+  const bool over_link = is_over_link(from);
+  const bool for_any =
+      header.origin.device_id == 0 && (!over_link || header.type == PacketType::kDiscover);
+  if (!for_any && header.origin.device_id != origin_.device_id) {
     return refuse(Count::kForeign);
+  }
+  if (over_link &&
+      (header.type == PacketType::kSubscribe || header.type == PacketType::kUnsubscribe)) {
+    return refuse(Count::kNotControl);
   }
   const Request request{.packet = *packet, .from = from, .now = now, .datagram = datagram};
   switch (header.type) {
@@ -168,6 +175,10 @@ RequestHandler::Answer RequestHandler::serve_signed(const Request& request) noex
   return sealed;
 }
 
+hal::Peer RequestHandler::asker_of(const Request& request) noexcept {
+  return is_over_link(request.from) ? all_of_link(request.from.scope) : request.from;
+}
+
 std::optional<RequestHandler::SignedRequest> RequestHandler::read_signed(
     const Request& request, const wire::SignedView& view) noexcept {
   SignedRequest read{
@@ -182,10 +193,11 @@ std::optional<RequestHandler::SignedRequest> RequestHandler::read_signed(
     return read;
   }
   const Result<wire::Subscribe> asked = wire::decode_subscribe(view.payload);
-  // A serial line, which has no address, is no receiver of the network: its profile is a setting.
+  // A serial line, which has no address, is no receiver of the network: its profile is a setting. A
+  // whole link is none, either.
   const bool known =
       (read.type == PacketType::kSubscribe || read.type == PacketType::kUnsubscribe) &&
-      request.from != hal::Peer{};
+      request.from != hal::Peer{} && !is_over_link(request.from);
   if (!known || !asked) {
     return std::nullopt;
   }
@@ -269,7 +281,7 @@ RequestHandler::Answer RequestHandler::pair(const Request& request) noexcept {
   } else {
     count(Count::kAccepted);
     if (pairing_ != nullptr) {
-      out = pairing_->serve(*asked, keys::PairingWay::kNetwork, request.now, request.from);
+      out = pairing_->serve(*asked, keys::PairingWay::kNetwork, request.now, asker_of(request));
     }
   }
   out.request_id = asked->request_id;
@@ -287,8 +299,9 @@ std::size_t RequestHandler::serve(const wire::SettingsRequest& asked,
   std::size_t text_bytes = 0;
   if (settings_ != nullptr) {
     out = settings_->serve(
-        asked, text, {.peer = request.from, .now = request.now, .access = access, .key_id = key_id},
-        space, text_bytes);
+        asked, text,
+        {.peer = asker_of(request), .now = request.now, .access = access, .key_id = key_id}, space,
+        text_bytes);
     text_bytes = std::min(text_bytes, space.size());
   }
   out.request_id = asked.request_id;

@@ -9,6 +9,7 @@
 
 #include "firmware/control/cookie.h"
 #include "firmware/control/lease_table.h"
+#include "firmware/control/link_way.h"
 #include "firmware/control/request_limits.h"
 #include "firmware/control/settings_service.h"
 #include "firmware/keys/authenticator.h"
@@ -28,8 +29,9 @@ namespace stof::firmware {
 //
 // Without a valid cookie a source gets one answer a request, never longer than that request, and
 // how many leave is limited (RequestLimits). What is signed is judged after all that, since it
-// costs most: a key that nobody has takes no more of the processor than a host's share. No clock,
-// no socket, no heap; for one thread, except counters().
+// costs most: a key that nobody has takes no more of the processor than a host's share. Over a link
+// (link_way.h) all is the same, but nobody subscribes, and only a discover may go to any sensor. No
+// clock, no socket, no heap; for one thread, except counters().
 class RequestHandler {
  public:
   // All outlive the handler. settings nullptr: every request for them is answered with
@@ -89,6 +91,8 @@ class RequestHandler {
   };
   static std::optional<SignedRequest> read_signed(const Request& request,
                                                   const wire::SignedView& view) noexcept;
+  // Whom a request is of, for those who note it: over a link anybody, whatever address it has.
+  static hal::Peer asker_of(const Request& request) noexcept;
 
   // What has ended must not keep anybody out until the next turn of the thread.
   void drop_ended(hal::Time now) noexcept;

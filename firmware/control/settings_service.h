@@ -19,7 +19,8 @@ inline constexpr std::size_t kSettingsTextBytes = wire::kMaxPayload - wire::kSet
 
 // Who asks, and when.
 struct Requester {
-  std::optional<hal::Peer> peer;  // proven by its cookie; none: the serial line
+  // Proven by its cookie; hal::kAllOfLink: somebody of that link; none: the serial line.
+  std::optional<hal::Peer> peer;
   hal::Time now{};
   Access access = Access::kRead;
   std::uint32_t key_id = 0;  // that signed; 0: none

@@ -26,21 +26,29 @@ void Beacon::tick(hal::Time now) noexcept {
   due_ = now + kPeriod;
   const std::span<const std::byte> packet =
       seal_announce(contents_->announce, contents_->origin, contents_->stamp, buffer_);
-  const auto send_to = [&](const std::array<std::uint8_t, 16>& address) {
+  const auto send_to = [&](const hal::Peer& peer) {
     std::size_t sent = 0;
     // Nobody to hear it is no error.
-    static_cast<void>(
-        port_->send({.address = address, .port = kBeaconPort}, std::span(&packet, 1), sent));
+    static_cast<void>(port_->send(peer, std::span(&packet, 1), sent));
   };
-  send_to(hal::from_ipv4(255, 255, 255, 255));
+  constexpr std::array<std::uint8_t, 16> kNone{};
+  constexpr std::array<std::uint8_t, 16> kLoopback = hal::from_ipv4(127, 255, 255, 255);
   const auto found = std::span(addresses_).first(network_.addresses(addresses_));
   for (std::size_t i = 0; i < found.size(); ++i) {
     const auto earlier = found.first(i);
     const bool again = std::ranges::any_of(earlier, [&](const hal::InterfaceAddress& other) {
       return other.broadcast == found[i].broadcast;
     });
-    if (found[i].broadcast != std::array<std::uint8_t, 16>{} && !again) {
-      send_to(found[i].broadcast);
+    if (found[i].broadcast == kNone) {
+      continue;
+    }
+    if (!again) {
+      send_to({.address = found[i].broadcast, .port = kLinkPort});
+    }
+    if (found[i].broadcast != kLoopback) {
+      hal::Peer all = all_of_link(found[i].interface);
+      all.own = found[i].address;
+      send_to(all);
     }
   }
 }

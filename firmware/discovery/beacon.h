@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "firmware/control/link_way.h"
 #include "firmware/control/periodic_task.h"
 #include "firmware/wire/messages/announce.h"
 #include "firmware/wire/packet.h"
@@ -13,17 +14,16 @@
 
 namespace stof::firmware {
 
-inline constexpr std::uint16_t kBeaconPort = 7561;
-
 // One packet that says who and where the sensor is, request_id as in `announce`.
 std::span<const std::byte> seal_announce(const wire::Announce& announce, const wire::Origin& origin,
                                          const wire::FrameStamp& stamp,
                                          wire::DatagramBuffer& buffer) noexcept;
 
-// Tells everybody near who and where the sensor is, once a second, by IPv4 broadcast to port 7561:
-// 255.255.255.255 and the broadcast address of each interface, which of the loopback one is
-// 127.255.255.255. For the control thread. It goes out by a port of its own: the one of
-// requests and streams sends to one peer at a time.
+// Tells everybody near who and where the sensor is, once a second, by IPv4 broadcast to kLinkPort:
+// to the broadcast address of each interface, which of the loopback one is 127.255.255.255, and
+// from each address of all others to 255.255.255.255, which who has an address of another network
+// hears, too. For the control thread. It goes out by a port of its own: the one of requests and
+// streams sends to one peer at a time.
 class Beacon final : public PeriodicTask {
  public:
   static constexpr hal::Duration kPeriod = std::chrono::seconds(1);

@@ -10,6 +10,7 @@
 #include "firmware/settings/text/paged_writer.h"
 #include "firmware/wire/frame_info.h"
 #include "firmware/wire/keys/key_text.h"
+#include "hal/network_interfaces.h"
 
 namespace stof::firmware {
 namespace {
@@ -91,8 +92,11 @@ void write_requester(const Event& event, settings::PagedWriter& out) noexcept {
     out << "over the serial line";
     return;
   }
-  out << "by ";
-  write_address(event.address, out);
+  // Over a link nobody proves an address.
+  out << (event.address == hal::kAllOfLink ? "by broadcast" : "by ");
+  if (event.address != hal::kAllOfLink) {
+    write_address(event.address, out);
+  }
 }
 
 const char* sending_text(EventKind kind) noexcept {

@@ -78,6 +78,7 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
                    .subscribers = subscribers_,
                    .ring = parts_.receivers,
                    .tasks = tasks_,
+                   .link = parts_.board.beacon,
                    .turn = parts_.serial == nullptr
                                ? hal::Duration(std::chrono::milliseconds(20))
                                : SerialLink::turn(static_cast<std::uint32_t>(active.serial.baud))});

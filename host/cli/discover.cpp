@@ -45,6 +45,9 @@ std::string discover_line(const client::FoundSensor& sensor) {
                     static_cast<double>(*sensor.rate_millihertz) / 1000, sensor.subscribers,
                     sensor.most_subscribers);
   }
+  if (sensor.by_link_alone()) {
+    line += "; in another network than this computer (stof address)";
+  }
   line += "; by";
   for (const std::string& method : methods_of(sensor)) {
     line += " " + method;

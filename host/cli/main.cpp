@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "host/cli/address.h"
 #include "host/cli/bridge/bridge.h"
 #include "host/cli/calib.h"
 #include "host/cli/completion.h"
@@ -66,6 +67,7 @@ struct Commands {
   CalibPmdOptions calib_pmd;
   CalibInstallOptions calib_install;
   CalibRigOptions calib_rig;
+  AddressOptions address;
   ConfigOptions config;
   DiscoverCommand discover;
   FaultOptions fault;
@@ -164,6 +166,7 @@ int run(int argc, char** argv) {
   add_check(app, commands.check, STOF_VERSION);
   add_support_report(app, commands.report, STOF_VERSION);
   add_calib(app, commands.calib_pmd, commands.calib_install, commands.calib_rig);
+  add_address(app, commands.address);
   add_config(app, commands.config);
   add_discover(app, commands.discover);
   add_fault(app, commands.fault);

@@ -30,7 +30,24 @@ std::unique_ptr<client::ControlTransport> open_way(const char* command, const st
                   std::string(command) + ": give a sensor, HOST[:PORT], or --serial");
   }
   return sensor.empty() ? value_or_fail(client::open_serial_transport(serial, baud))
-                        : value_or_fail(client::open_udp_transport(sensor_address(sensor)));
+                        : open_sensor(sensor);
+}
+
+client::ControlOptions control_of(const std::string& file, const std::string& sensor,
+                                  const ControlFlags& flags) {
+  client::ControlOptions control = timing(flags.timeout_s);
+  control.keys = value_or_fail(client::read_user_keys(file));
+  control.device_id = flags.device;
+  if (!sensor.empty() || !flags.key.empty()) {
+    const client::Meant meant = meant_or_fail(
+        file, control.keys, sensor, {.device = flags.device, .key_id = key_id_of(flags.key)});
+    control.keys = meant.keys;
+    control.device_id = meant.device;
+  }
+  if (!flags.serial.empty()) {
+    control.unsigned_answers = client::Unsigned::kAlways;
+  }
+  return control;
 }
 
 std::vector<wire::Key> own_keys(const std::string& file, const wire::KeyTable& keys,

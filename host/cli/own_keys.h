@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/cli/control_flags.h"
 #include "host/cli/failure.h"
 #include "host/client/control/control_client.h"
 #include "host/client/control/known_sensors.h"
@@ -29,7 +30,12 @@ void need_crypto();  // throws Failure
 
 client::ControlOptions timing(double timeout_s);
 
-// To a sensor by its address, or by a line: one of the two. Throws Failure.
+// Of commands that change something at one sensor, with the keys of the file; sensor: as the user
+// calls it, empty with flags.serial. Throws Failure.
+client::ControlOptions control_of(const std::string& file, const std::string& sensor,
+                                  const ControlFlags& flags);
+
+// To a sensor as the user calls it (open_sensor()), or by a line: one of the two. Throws Failure.
 std::unique_ptr<client::ControlTransport> open_way(const char* command, const std::string& sensor,
                                                    const std::string& serial, unsigned baud);
 

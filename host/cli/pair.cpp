@@ -241,6 +241,7 @@ std::string asked_text(const wire::PairOffer& offer) {
   std::string by = posix::make_address(from, 0).host();
   constexpr std::string_view kMapped = "::ffff:";
   by = by.starts_with(kMapped) ? by.substr(kMapped.size()) : by;
+  by = by == "255.255.255.255" ? "broadcast" : by;
   return std::string(", role ")
       .append(wire::role_text(offer.role))
       .append(", asked for ")

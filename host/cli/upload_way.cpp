@@ -3,7 +3,7 @@
 #include <chrono>
 #include <utility>
 
-#include "host/client/control/user_keys.h"
+#include "host/cli/sensor/find_sensor.h"
 
 namespace stof::host {
 
@@ -26,18 +26,9 @@ void UploadWay::remember() const {
 std::unique_ptr<UploadWay> open_upload_way(const char* command, const std::string& sensor,
                                            const ControlFlags& flags, double patience_s) {
   const std::string file = keys_file(flags.keys);
-  const wire::KeyTable keys = value_or_fail(client::read_user_keys(file));
-  client::ControlOptions control = timing(flags.timeout_s);
-  control.keys = keys;
-  control.device_id = flags.device;
-  if (!sensor.empty() || !flags.key.empty()) {
-    const client::Meant meant =
-        meant_or_fail(file, keys, sensor, {.device = flags.device, .key_id = key_id_of(flags.key)});
-    control.keys = meant.keys;
-    control.device_id = meant.device;
-  }
-  if (!flags.serial.empty()) {
-    control.unsigned_answers = client::Unsigned::kAlways;
+  const client::ControlOptions control = control_of(file, sensor, flags);
+  if (!sensor.empty() && flags.serial.empty()) {
+    static_cast<void>(sensor_address(sensor));  // throws: too much to be told to a whole link
   }
   auto way = std::make_unique<UploadWay>(
       open_way(command, sensor, flags.serial, flags.baud), control,

@@ -79,7 +79,6 @@ class Search {
   void ask() {
     const posix::Interfaces interfaces = posix::list_interfaces();
     std::vector<in_addr> near = interfaces.broadcasts;
-    near.push_back(address4(255, 255, 255, 255));
     near.push_back(address4(127, 0, 0, 1));
     for (const in_addr& address : near) {
       ask4_.send(posix::make_address(address, kSensorPort), question_);
@@ -94,7 +93,18 @@ class Search {
     group6.s6_addr[0] = 0xff;
     group6.s6_addr[1] = 0x02;
     group6.s6_addr[15] = 0xfb;
+    const posix::SocketAddress all = posix::make_address(address4(255, 255, 255, 255), kSensorPort);
+    // From its port they are answered there, by broadcast, whatever their addresses are.
+    for (const unsigned interface : interfaces.links) {
+      ask4_.send_by(interface, all, question_);
+      beacons_.send_by(interface, all, question_);
+    }
+    in6_addr hosts6{};  // all on the link
+    hosts6.s6_addr[0] = 0xff;
+    hosts6.s6_addr[1] = 0x02;
+    hosts6.s6_addr[15] = 0x01;
     for (const unsigned interface : interfaces.multicast) {
+      ask6_.send_by(interface, posix::make_address(hosts6, kSensorPort, interface), question_);
       mdns4_.send_by(interface, posix::make_address(group4, kMdnsPort), mdns_question_);
       mdns6_.send_by(interface, posix::make_address(group6, kMdnsPort, interface), mdns_question_);
     }

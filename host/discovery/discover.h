@@ -12,7 +12,7 @@
 namespace stof::client {
 
 inline constexpr std::uint16_t kSensorPort = 7560;  // of requests
-inline constexpr std::uint16_t kBeaconPort = 7561;
+inline constexpr std::uint16_t kBeaconPort = 7561;  // and of answers to all of a link
 
 struct DiscoverOptions {
   // A beacon comes once a second, answers within milliseconds.
@@ -30,8 +30,9 @@ struct DiscoverError {
   std::string message;
 };
 
-// Asks for sensors by broadcast, on this machine, at the given addresses and by multicast DNS, and
-// listens to beacons, for the timeout. Blocks for it, and before that on a name server. The
+// Asks for sensors by broadcast, also so that those are heard which have no address of a network of
+// this machine; by IPv6, on this machine, at the given addresses and by multicast DNS; and listens
+// to beacons, for the timeout. Blocks for it, and before that on a name server. The
 // error: an address that is none, or no socket at all; a network that is missing is none.
 std::expected<std::vector<FoundSensor>, DiscoverError> discover(const DiscoverOptions& options);
 

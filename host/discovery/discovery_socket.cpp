@@ -15,6 +15,9 @@ posix::UdpSocket open_socket(int family, std::uint16_t port) {
   } else {
     static_cast<void>(socket.set({SOL_SOCKET, SO_BROADCAST, 1}));
     static_cast<void>(socket.set({IPPROTO_IP, IP_MULTICAST_TTL, 255}));
+    if (port != 0) {
+      static_cast<void>(socket.set({IPPROTO_IP, IP_TTL, 1}));  // for neighbours alone
+    }
   }
   static_cast<void>(socket.set({SOL_SOCKET, SO_REUSEADDR, port != 0 ? 1 : 0}));
   const posix::SocketAddress any =
@@ -38,12 +41,10 @@ void DiscoverySocket::send_by(unsigned interface, const posix::SocketAddress& to
                               std::span<const std::byte> datagram) const {
   if (family_ == AF_INET6) {
     static_cast<void>(socket_.set({IPPROTO_IPV6, IPV6_MULTICAST_IF, static_cast<int>(interface)}));
-  } else {
-    ip_mreqn by{};
-    by.imr_ifindex = static_cast<int>(interface);
-    static_cast<void>(setsockopt(fd(), IPPROTO_IP, IP_MULTICAST_IF, &by, sizeof by));
+    send(to, datagram);
+  } else if (is_open()) {
+    static_cast<void>(socket_.send_by(interface, to, datagram));
   }
-  send(to, datagram);
 }
 
 std::optional<DiscoverySocket::Read> DiscoverySocket::receive(std::span<std::byte> space) const {

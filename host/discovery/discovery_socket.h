@@ -22,7 +22,7 @@ class DiscoverySocket {
 
   // Drops what cannot be sent, and what goes to another kind of address.
   void send(const posix::SocketAddress& to, std::span<const std::byte> datagram) const;
-  // To a multicast group by one interface.
+  // To a multicast group, or all hosts of the link, by one interface.
   void send_by(unsigned interface, const posix::SocketAddress& to,
                std::span<const std::byte> datagram) const;
 

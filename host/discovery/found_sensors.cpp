@@ -16,6 +16,15 @@ namespace dns = wire::dns;
 
 constexpr std::size_t kMostSensors = 1000;  // bounds what strangers can make us keep
 constexpr unsigned kMostRecords = 256;
+constexpr std::size_t kMostHeard = 16;
+
+std::string endpoint_of(const std::string& address, std::uint16_t port) {
+  const bool ipv6 = address.find(':') != std::string::npos;
+  return (ipv6 ? "[" + address + "]" : address) + ":" + std::to_string(port);
+}
+
+// Of IPv6: it means something by one interface alone.
+bool is_link_local(const std::string& address) { return address.find('%') != std::string::npos; }
 
 // Up to the first 0.
 std::string shown(std::string_view text) { return printable(text.substr(0, text.find('\0'))); }
@@ -103,10 +112,7 @@ const char* to_string(DiscoveryMethod method) noexcept {
   return "unknown";
 }
 
-std::string FoundSensor::endpoint() const {
-  const bool ipv6 = address.find(':') != std::string::npos;
-  return (ipv6 ? "[" + address + "]" : address) + ":" + std::to_string(port);
-}
+std::string FoundSensor::endpoint() const { return endpoint_of(address, port); }
 
 FoundSensor& FoundSensors::entry(std::uint32_t device_id, const std::string& serial,
                                  std::uint16_t port) {
@@ -124,13 +130,32 @@ FoundSensor& FoundSensors::entry(std::uint32_t device_id, const std::string& ser
 
 void FoundSensors::found_by(FoundSensor& sensor, const std::string& from, DiscoveryMethod method) {
   const auto better = std::span(sensor.methods).subspan(static_cast<std::size_t>(method));
-  if (std::ranges::none_of(better, [](bool known) { return known; })) {
+  // Of two that answer the one that all programs take.
+  const bool plainer =
+      method == DiscoveryMethod::kDirect && is_link_local(sensor.address) && !is_link_local(from);
+  if (plainer || sensor.address == kNoAddress ||
+      std::ranges::none_of(better, [](bool known) { return known; })) {
     sensor.address = from;
-    if (method != DiscoveryMethod::kDirect) {
-      silent_.push_back(sensor.endpoint());
-    }
+  }
+  if (from != kNoAddress) {
+    note_address(sensor, from, method);
   }
   sensor.methods[static_cast<std::size_t>(method)] = true;
+}
+
+void FoundSensors::note_address(FoundSensor& sensor, const std::string& from,
+                                DiscoveryMethod method) {
+  // Any of its addresses may be one that this machine reaches.
+  const bool answers = sensor.methods[static_cast<std::size_t>(DiscoveryMethod::kDirect)] ||
+                       method == DiscoveryMethod::kDirect;
+  std::string endpoint = endpoint_of(from, sensor.port);
+  if (!answers && asked_.size() < kMostSensors && asked_.insert(endpoint).second) {
+    silent_.push_back(std::move(endpoint));
+  }
+  if (sensor.heard.size() < kMostHeard &&
+      std::ranges::find(sensor.heard, from) == sensor.heard.end()) {
+    sensor.heard.push_back(from);
+  }
 }
 
 bool FoundSensors::take_packet(std::span<const std::byte> datagram, const std::string& from,
@@ -146,6 +171,9 @@ bool FoundSensors::take_packet(std::span<const std::byte> datagram, const std::s
   FoundSensor& sensor =
       entry(packet->header.origin.device_id, shown(announce->serial), announce->port);
   found_by(sensor, from, method);
+  sensor.session_id = packet->header.origin.session_id;
+  sensor.answers_link =
+      sensor.answers_link || (method == DiscoveryMethod::kBeacon && announce->request_id != 0);
   sensor.name = shown(announce->name);
   sensor.version = shown(announce->version);
   sensor.board = shown(announce->board);

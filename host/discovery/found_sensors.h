@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,15 +18,22 @@ enum class DiscoveryMethod : std::uint8_t { kMdns, kBeacon, kDirect };
 inline constexpr std::size_t kDiscoveryMethods = 3;
 const char* to_string(DiscoveryMethod method) noexcept;
 
+// From which a sensor answers by broadcast that has no IPv4 address.
+inline constexpr const char* kNoAddress = "0.0.0.0";
+
 struct FoundSensor {
   std::uint32_t device_id = 0;
+  std::uint32_t session_id = 0;  // of the newest datagram; 0: known from multicast DNS alone
   std::string serial{};
   std::string name{};
   std::string version{};
   std::string board{};
-  std::string address{};  // numeric, of the surest method; of link-local IPv6 with %interface
+  // Numeric, of the surest method; of link-local IPv6 with %interface; kNoAddress: it has none.
+  std::string address{};
   std::uint16_t port = 0;
   std::array<bool, kDiscoveryMethods> methods{};
+  bool answers_link = false;         // a question to a whole link, by broadcast
+  std::vector<std::string> heard{};  // addresses that it sent from, as `address`
   // Known from beacons and answers only.
   std::optional<wire::Health> health{};
   std::optional<std::uint32_t> rate_millihertz{};  // frames of its last second, 1/1000 Hz
@@ -35,6 +43,11 @@ struct FoundSensor {
 
   // HOST:PORT, IPv6 in brackets.
   std::string endpoint() const;
+  // It is heard, and packets go to it by broadcast alone: it has no address of a network of this
+  // machine, or this machine none of its.
+  bool by_link_alone() const {
+    return answers_link && !methods[static_cast<std::size_t>(DiscoveryMethod::kDirect)];
+  }
 };
 
 // The sensors that many datagrams name, each once. No socket.
@@ -54,9 +67,11 @@ class FoundSensors {
  private:
   FoundSensor& entry(std::uint32_t device_id, const std::string& serial, std::uint16_t port);
   void found_by(FoundSensor& sensor, const std::string& from, DiscoveryMethod method);
+  void note_address(FoundSensor& sensor, const std::string& from, DiscoveryMethod method);
 
   std::vector<FoundSensor> sensors_;
   std::vector<std::string> silent_;
+  std::set<std::string> asked_;  // that were among these
 };
 
 }  // namespace stof::client

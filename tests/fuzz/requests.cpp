@@ -7,8 +7,8 @@
 #include "firmware/wire/messages/settings_answer.h"
 #include "tests/fuzz/fuzz_input.h"
 
-// Requests to the sensor's port, from four sources, with settings behind it. Whoever shows no
-// cookie never gets more bytes than it sent.
+// Requests to the sensor's port, from four sources, one of them by broadcast, with settings behind
+// it. Whoever shows no cookie never gets more bytes than it sent; nobody subscribes by broadcast.
 namespace stof {
 namespace {
 
@@ -54,7 +54,8 @@ bool proven(std::span<const std::byte> request, const hal::Peer& peer, hal::Time
              wire::get_u64(packet->payload.subspan(before + kCookieAt).first<8>()), peer, now);
 }
 
-constexpr unsigned kHolder = 3;  // the source that has a key, and signs with it
+constexpr unsigned kOverLink = 2;  // the source that asks by broadcast
+constexpr unsigned kHolder = 3;    // the source that has a key, and signs with it
 constexpr wire::Origin kSensor{.device_id = 0x0A0B0C0D, .session_id = 1};
 
 wire::Key holders_key() {
@@ -112,8 +113,13 @@ void stof::fuzz::run(std::span<const std::byte> input) {
 
   fuzz::for_each_record(input, [&](const fuzz::Record& record) {
     now += std::chrono::seconds(record.seconds());
-    const hal::Peer peer{.address = {1, 2, 3},
-                         .port = static_cast<std::uint16_t>(9000 + record.peer())};
+    const bool over_link = record.peer() == kOverLink;
+    const hal::Peer peer =
+        over_link ? hal::Peer{.address = hal::from_ipv4(10, 0, 0, 5),
+                              .port = firmware::kLinkPort,
+                              .scope = 2}
+                  : hal::Peer{.address = {1, 2, 3},
+                              .port = static_cast<std::uint16_t>(9000 + record.peer())};
     wire::DatagramBuffer request{};
     wire::DatagramBuffer space{};
     std::span<const std::byte> bytes =
@@ -138,6 +144,7 @@ void stof::fuzz::run(std::span<const std::byte> input) {
       fuzz::require(answer.size() <= bytes.size() || proven(bytes, peer, now));
       const auto packet = wire::parse_packet(answer);
       fuzz::require(packet.has_value());
+      fuzz::require(!over_link || packet->header.type != wire::PacketType::kSubscribed);
       learn(*packet, cookies[record.peer()]);
     }
     fuzz::require(subscribers.count() <= 4);

@@ -75,7 +75,7 @@ Result<Received> DatagramPort::receive(std::span<std::byte> space, Duration /*ti
   }
   const std::span<const std::byte> held = scratch_.held();
   std::ranges::copy(held.first(std::min(held.size(), space.size())), space.begin());
-  return Received{.bytes = scratch_.size, .from = scratch_.peer};
+  return Received{.bytes = scratch_.size, .from = scratch_.peer, .link = scratch_.link};
 }
 
 bool DatagramPort::take_unreachable(Peer& peer) noexcept {
@@ -93,11 +93,13 @@ std::optional<DatagramPort::Sent> DatagramPort::take_sent() noexcept {
   return Sent{.to = scratch_.peer, .bytes = scratch_.held()};
 }
 
-void DatagramPort::inject(std::span<const std::byte> datagram, const Peer& from) noexcept {
+void DatagramPort::inject(std::span<const std::byte> datagram, const Peer& from,
+                          std::uint32_t link) noexcept {
   std::ranges::copy(datagram.first(std::min(datagram.size(), kMaxDatagram)),
                     scratch_.bytes.begin());
   scratch_.size = datagram.size();
   scratch_.peer = from;
+  scratch_.link = link;
   if (!in_.push(scratch_)) {
     ++overruns_;
   }

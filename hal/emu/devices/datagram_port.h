@@ -38,7 +38,9 @@ class DatagramPort final : public hal::DatagramPort {
   int waiting() const noexcept { return out_.waiting; }
 
   // For receive(): bytes beyond kMaxDatagram are kept as a length only. A full queue is an overrun.
-  void inject(std::span<const std::byte> datagram, const Peer& from) noexcept;
+  // link: Received::link.
+  void inject(std::span<const std::byte> datagram, const Peer& from,
+              std::uint32_t link = 0) noexcept;
   // For take_unreachable(); the last one counts.
   void refuse(const Peer& peer) noexcept { refusal_ = peer; }
 
@@ -47,6 +49,7 @@ class DatagramPort final : public hal::DatagramPort {
     std::array<std::byte, kMaxDatagram> bytes;
     std::size_t size = 0;  // may be more than the space
     Peer peer;
+    std::uint32_t link = 0;  // Received::link
 
     std::span<const std::byte> held() const noexcept;
   };

@@ -39,12 +39,13 @@ Status status_of(int error) noexcept {
   }
 }
 
-// Has the system send a message from Peer::own (ip(7), IP_PKTINFO); from where it chooses where
-// that is not known.
+// Has the system send a message from Peer::own (ip(7), IP_PKTINFO), and by the interface that
+// Peer::scope names; from and by where it chooses where those are not known.
 class OwnAddress {
  public:
   OwnAddress(const Peer& peer, int family) noexcept {
-    if (peer.own == Peer{}.own) {
+    // The scope of an IPv6 address stands in the address itself.
+    if (peer.own == Peer{}.own && (family == AF_INET6 || peer.scope == 0)) {
       return;
     }
     msghdr message{};
@@ -58,6 +59,7 @@ class OwnAddress {
       write(entry, IPPROTO_IPV6, IPV6_PKTINFO, info);
     } else {
       in_pktinfo info{};
+      info.ipi_ifindex = static_cast<int>(peer.scope);
       std::memcpy(&info.ipi_spec_dst, &peer.own[peer.own.size() - sizeof(in_addr)],
                   sizeof(in_addr));
       write(entry, IPPROTO_IP, IP_PKTINFO, info);
@@ -93,6 +95,9 @@ std::vector<posix::SocketOption> socket_options(const UdpPortOptions& options, i
       {IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_PROBE},
       {SOL_SOCKET, SO_BROADCAST, options.broadcast ? 1 : 0},
   };
+  if (options.broadcast) {
+    wanted.push_back({IPPROTO_IP, IP_TTL, 1});  // for neighbours alone
+  }
   // No class is the system's own: it is not asked for one.
   if (options.dscp != 0) {
     wanted.push_back({IPPROTO_IP, IP_TOS, traffic_class});
@@ -234,8 +239,11 @@ Status UdpPort::send_by(int fd, const Peer& to,
     std::size_t taken = 0;
     const Status status = send_batch(fd, std::span(messages).first(count), taken);
     sent += taken;
-    if (status == Status::kDeviceError && own.is_known()) {
-      own.forget();  // this machine may not have that address any more
+    // This machine may not have that address any more. What goes to all of a link never goes to
+    // another one.
+    if (status == Status::kDeviceError && own.is_known() &&
+        (family_ == AF_INET6 || to.scope == 0)) {
+      own.forget();
       continue;
     }
     if (status != Status::kOk) {
@@ -264,6 +272,7 @@ Result<Received> UdpPort::receive(std::span<std::byte> space, Duration timeout) 
   Received received{.bytes = batch_.whole_size(index),
                     .from = to_peer(batch_.from(index)).value_or(Peer{})};
   std::memcpy(received.from.own.data(), &batch_.own(index), received.from.own.size());
+  received.link = batch_.link(index);
   return received;
 }
 

@@ -23,7 +23,7 @@ struct UdpPortOptions {
   int buffer_bytes = 4 << 20;  // asked of the system for each direction
   bool ipv4_only = false;      // also where there is IPv6
   int dscp = 0;                // 0 .. 63: class of what is sent (RFC 2474), IPv6 and IPv4
-  bool broadcast = false;      // may send to all hosts of a link
+  bool broadcast = false;      // may send to all hosts of a link, and to nobody beyond it
   bool streams = false;        // a queue for each stream (StreamSockets)
   bool refusals = false;       // hears of peers that do not listen: take_unreachable()
 };

@@ -331,7 +331,7 @@ void config(const ConfigOptions& options) {
     whole.sensor = words.front();
     words.erase(words.begin());
     judge_config_words(words);
-    transport = value_or_fail(client::open_udp_transport(sensor_address(whole.sensor)));
+    transport = open_sensor(whole.sensor);
   } else {
     judge_config_words(words);
     transport = value_or_fail(client::open_serial_transport(options.serial, options.baud));

@@ -4,9 +4,11 @@
 #include <chrono>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "host/cli/failure.h"
+#include "host/client/control/link_transport.h"
 #include "host/client/sensor_socket.h"
 #include "host/discovery/discover.h"
 
@@ -18,7 +20,23 @@ bool is_address(const std::string& called) {
          called.find_first_of(".:[") != std::string::npos;
 }
 
-std::string look_for(const std::string& called) {
+struct Way {
+  std::string endpoint;                    // HOST[:PORT]
+  std::optional<client::LinkTarget> link;  // it answers by broadcast alone
+};
+
+Way way_to(const client::FoundSensor& sensor) {
+  Way way{.endpoint = sensor.endpoint(), .link = {}};
+  if (sensor.by_link_alone()) {
+    way.link = client::LinkTarget{.device_id = sensor.device_id,
+                                  .session_id = sensor.session_id,
+                                  .port = sensor.port,
+                                  .called = sensor.serial};
+  }
+  return way;
+}
+
+Way look_for(const std::string& called) {
   const auto fits = [&](const client::FoundSensor& sensor) {
     return sensor.serial == called || sensor.name == called;
   };
@@ -31,7 +49,7 @@ std::string look_for(const std::string& called) {
   // A serial number is one sensor's; a name may be another one's number.
   const auto by_serial = std::ranges::find(found, called, &client::FoundSensor::serial);
   if (by_serial != found.end()) {
-    return by_serial->endpoint();
+    return way_to(*by_serial);
   }
   if (found.size() > 1) {
     throw Failure(Exit::kBadInput, called + ": " + std::to_string(found.size()) +
@@ -44,7 +62,15 @@ std::string look_for(const std::string& called) {
                       ": does not exist: no file, no sensor near and no host has that name: "
                       "stof discover lists the sensors");
   }
-  return found.empty() ? called : found.front().endpoint();
+  return found.empty() ? Way{.endpoint = called, .link = {}} : way_to(found.front());
+}
+
+// Looked for once.
+const Way& known_way(const std::string& called) {
+  static std::map<std::string, Way> known;  // of this one command
+  const auto found = known.find(called);
+  return found != known.end() ? found->second
+                              : known.emplace(called, look_for(called)).first->second;
 }
 
 }  // namespace
@@ -59,10 +85,24 @@ std::string sensor_address(const std::string& called) {
   if (is_address(called)) {
     return called;
   }
-  static std::map<std::string, std::string> known;  // of this one command
-  const auto found = known.find(called);
-  return found != known.end() ? found->second
-                              : known.emplace(called, look_for(called)).first->second;
+  const Way& way = known_way(called);
+  if (way.link) {
+    throw Failure(Exit::kFailure,
+                  called + ": is at " + way.endpoint +
+                      " and heard by broadcast alone, because it and this computer have no address "
+                      "of one network: stof address " +
+                      called + " ADDRESS/BITS gives it one");
+  }
+  return way.endpoint;
+}
+
+std::unique_ptr<client::ControlTransport> open_sensor(const std::string& called) {
+  if (is_address(called)) {
+    return value_or_fail(client::open_udp_transport(called));
+  }
+  const Way& way = known_way(called);
+  return way.link ? value_or_fail(client::open_link_transport(*way.link))
+                  : value_or_fail(client::open_udp_transport(way.endpoint));
 }
 
 }  // namespace stof::host

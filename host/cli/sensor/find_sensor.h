@@ -1,6 +1,9 @@
 #pragma once
 
+#include <memory>
 #include <string>
+
+#include "host/client/control/control_client.h"
 
 // What SENSOR names, in every command that takes one: a sensor that is reached by its address, a
 // sensor near that is known by its serial number or name, or a recorded file.
@@ -14,7 +17,12 @@ bool is_recorded(const std::string& sensor);
 // so is localhost. Any other word is looked for among the sensors near, by serial number and by
 // name, for 3 s; where none has it, it is a host's name. Looked for once in a program's life.
 // Whoever answers to a number or a name may lie: what proves a sensor is its key alone.
-// Throws Failure, bad input, where two sensors have that name, or nothing has.
+// Throws Failure, bad input, where two sensors have that name, or nothing has; code 1 where it is
+// reached by broadcast alone.
 std::string sensor_address(const std::string& called);
+
+// The same, open for requests: also to a sensor that is reached by broadcast alone
+// (client::open_link_transport()).
+std::unique_ptr<client::ControlTransport> open_sensor(const std::string& called);
 
 }  // namespace stof::host

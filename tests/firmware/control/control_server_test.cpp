@@ -143,5 +143,38 @@ TEST_F(ControlServerTest, CountsWhatIsTooLongAndWhatTheSocketLost) {
   EXPECT_EQ(counters.overrun, 10U);
 }
 
+// Whoever asks a whole link from the port that all of it hear is answered there, and nowhere else.
+TEST_F(ControlServerTest, AnswersALinkByBroadcast) {
+  hal::emu::DatagramPort broadcasts{10};
+  ControlServer control{{.port = port_,
+                         .handler = handler_,
+                         .subscribers = subscribers_,
+                         .ring = ring_,
+                         .tasks = tasks_,
+                         .link = &broadcasts}};
+  const auto turn = [&] {
+    EXPECT_EQ(control.receive(hal::Duration::zero(), []() noexcept { return kStart; }),
+              Status::kOk);
+  };
+  constexpr std::uint32_t kInterface = 3;
+  port_.inject(discover(4), peer(1, firmware::kLinkPort), kInterface);
+  turn();
+  EXPECT_TRUE(answers().empty());
+  const auto sent = broadcasts.take_sent();
+  ASSERT_TRUE(sent);
+  EXPECT_EQ(sent->to, firmware::all_of_link(kInterface));
+  EXPECT_EQ(sent->to.port, 7561);
+  EXPECT_EQ(sent->to.own, hal::Peer{}.own);
+  // From any other port, or to the sensor's own address: to that host alone.
+  port_.inject(discover(5), peer(1), kInterface);
+  port_.inject(discover(6), peer(2, firmware::kLinkPort));
+  turn();
+  const auto all = answers();
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].first, peer(1));
+  EXPECT_EQ(all[1].first, peer(2, firmware::kLinkPort));
+  EXPECT_FALSE(broadcasts.take_sent());
+}
+
 }  // namespace
 }  // namespace stof::test

@@ -52,11 +52,18 @@ TEST(Beacon, TellsEveryLinkOnceASecond) {
   for (int i = 0; i < 100; ++i, now += 20ms) {
     beacon.tick(now);
   }
-  ASSERT_EQ(port.peers.size(), 6U);
-  EXPECT_EQ(port.peers[0].address, hal::from_ipv4(255, 255, 255, 255));
-  EXPECT_EQ(port.peers[1].address, hal::from_ipv4(127, 255, 255, 255));
-  EXPECT_EQ(port.peers[2].address, hal::from_ipv4(192, 0, 2, 255));
-  EXPECT_EQ(port.peers[3].port, 7561);
+  ASSERT_EQ(port.peers.size(), 8U);
+  EXPECT_EQ(port.peers[0].address, hal::from_ipv4(127, 255, 255, 255));
+  EXPECT_EQ(port.peers[1].address, hal::from_ipv4(192, 0, 2, 255));
+  EXPECT_EQ(port.peers[1].scope, 0U);
+  // From each address by its interface, for who has none of that network.
+  for (const std::size_t i : {2U, 3U}) {
+    EXPECT_EQ(port.peers[i].address, hal::from_ipv4(255, 255, 255, 255));
+    EXPECT_EQ(port.peers[i].scope, 2U);
+    EXPECT_EQ(port.peers[i].own, i == 2 ? kOwn4 : kPeer4);
+    EXPECT_EQ(port.peers[i].port, 7561);
+  }
+  EXPECT_EQ(port.peers[4].address, hal::from_ipv4(127, 255, 255, 255));
 
   const auto packet = wire::parse_packet(port.packet);
   ASSERT_TRUE(packet);

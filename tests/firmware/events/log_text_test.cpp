@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hal/network_interfaces.h"
 #include "tests/support/heap_guard.h"
 
 namespace stof::firmware {
@@ -68,6 +69,10 @@ TEST(LogText, SaysWhatChanged) {
   EXPECT_EQ(text_of({.kind = EventKind::kSettingsChanged,
                      .address = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 192, 168, 1, 20}}),
             "settings changed by 192.168.1.20");
+  EXPECT_EQ(text_of({.kind = EventKind::kSettingsChanged,
+                     .former = kNetworkOnTrial,
+                     .address = hal::kAllOfLink}),
+            "settings changed by broadcast; network is on trial");
   EXPECT_EQ(text_of({.kind = EventKind::kSettingsChanged, .former = kNetworkOnTrial}),
             "settings changed over the serial line; network is on trial");
   EXPECT_EQ(text_of({.kind = EventKind::kSettingsChanged, .former = kNetworkTakenBack}),

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <net/if.h>
 
 #include "hal/linux/ports/peer_address.h"
 #include "hal/network_interfaces.h"
@@ -142,6 +143,32 @@ TEST(UdpPort, SendsToAllHostsOnlyWhereItWasAskedTo) {
     EXPECT_EQ(send(*open_port({.ipv4_only = ipv4_only}), all, "all"), Status::kDeviceError);
     EXPECT_EQ(send(*open_port({.ipv4_only = ipv4_only, .broadcast = true}), all, "all"),
               Status::kOk);
+  }
+}
+
+// By that interface, whatever the routes say; whoever hears it knows by which it came.
+TEST(UdpPort, WhatGoesToAllOfALinkIsToldFromWhatGoesToOne) {
+  const unsigned loopback = if_nametoindex("lo");
+  ASSERT_NE(loopback, 0U);
+  const auto broadcasts = open_port({.ipv4_only = true, .broadcast = true});
+  for (const bool ipv4_only : {false, true}) {
+    const auto port = open_port({.ipv4_only = ipv4_only});
+    const Peer all{.address = hal::kAllOfLink, .port = port->port(), .scope = loopback};
+    ASSERT_EQ(send(*broadcasts, all, "all"), Status::kOk);
+    ASSERT_EQ(send(*broadcasts, local(port->port()), "one"), Status::kOk);
+    for (const unsigned link : {loopback, 0U}) {
+      std::array<std::byte, 8> space;
+      const Result<hal::Received> received = port->receive(space, 60s);
+      ASSERT_TRUE(received);
+      EXPECT_EQ(received->link, link);
+      EXPECT_EQ(received->from.scope, 0U);
+    }
+    // Where that interface is none it goes nowhere else.
+    const Peer nowhere{.address = hal::kAllOfLink,
+                       .port = port->port(),
+                       .scope = 1U << 30,
+                       .own = hal::from_ipv4(127, 0, 0, 1)};
+    EXPECT_EQ(send(*broadcasts, nowhere, "lost"), Status::kDeviceError);
   }
 }
 

@@ -99,7 +99,7 @@ class CommandLine(Program):
     def test_help_names_every_command_and_the_exit_codes(self):
         self.assertIn("Ends with 0", self.succeed("--help"))
         found = self.commands_of()
-        self.assertLessEqual({"bridge", "calib", "check", "completion", "config", "discover", "evaluate", "export", "health", "info", "pair",
+        self.assertLessEqual({"address", "bridge", "calib", "check", "completion", "config", "discover", "evaluate", "export", "health", "info", "pair",
                               "proxy", "record", "recover", "replay", "report", "stats", "unpair", "update", "view"}, set(found))
         for command in found:
             below = self.commands_of(command)
@@ -200,7 +200,7 @@ class BadInput(Program):
     def test_numbers_that_are_none(self):
         """Every option that takes a real number, of every command."""
         commands = {"evaluate fusion": ["a", "b"], "calib pmd": ["a", "--out", "b"], "view": [], "discover": [],
-                    "evaluate sequence": ["a"], "config": ["127.0.0.1:9", "get"],
+                    "evaluate sequence": ["a"], "config": ["127.0.0.1:9", "get"], "address": ["127.0.0.1:9", "dhcp"],
                     "proxy": ["--listen", "0", "--to", "127.0.0.1:9"]}
         if "Not in this build" not in self.succeed("calib", "--help"):
             commands["calib stereo"] = ["--planes", "a", "--out", "b"]

@@ -63,6 +63,7 @@ VERBS = {
     "fault": Verb("absent.socket pmd:vanish:60"),
     "bridge ros2": Verb("absent.mcap"),
     "discover": Verb("--timeout 0.3", live=("--timeout 4 --address {s} --json",)),
+    "address": Verb("{s} 192.168.7.2/24 --timeout 0.05 --keys keys", lost=1),
     "config": Verb("{s} get --timeout 0.05", lost=1, live=("{s} get --json --timeout 10", "{s} diff --json --timeout 10", "{s} schema --timeout 10")),
     "pair": Verb("{s} --timeout 0.05 --keys keys --digits 123456", lost=1),
     "unpair": Verb("{s} --timeout 0.05 --keys keys --list", lost=1),

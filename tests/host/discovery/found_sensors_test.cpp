@@ -12,14 +12,16 @@ namespace {
 
 namespace dns = wire::dns;
 
-std::vector<std::byte> announcement(const char* serial, std::uint16_t port = 7560) {
-  wire::Announce announce{.port = port, .subscribers = 1, .most_subscribers = 4};
+std::vector<std::byte> announcement(const char* serial, std::uint16_t port = 7560,
+                                    std::uint32_t request_id = 0) {
+  wire::Announce announce{
+      .request_id = request_id, .port = port, .subscribers = 1, .most_subscribers = 4};
   std::ranges::copy(std::string_view(serial), announce.serial.begin());
   announce.rate_millihertz = 30'000;
   wire::DatagramBuffer buffer;
   wire::encode_announce(announce, wire::payload_space(buffer).first<wire::kAnnounceBytes>());
   const auto packet = wire::seal_packet({.type = wire::PacketType::kAnnounce,
-                                         .origin = {.device_id = 7},
+                                         .origin = {.device_id = 7, .session_id = 5},
                                          .frame = {.health = wire::Health::kFault}},
                                         wire::kAnnounceBytes, buffer);
   return {packet.begin(), packet.end()};
@@ -63,6 +65,47 @@ TEST(FoundSensors, KnowsASensorByEveryWayAsOne) {
   EXPECT_EQ(sensors[0].health, wire::Health::kFault);
   EXPECT_EQ(sensors[0].rate_millihertz, 30'000U);
   EXPECT_EQ(sensors[0].methods, (std::array{true, true, true}));
+}
+
+TEST(FoundSensors, OfTwoAddressesThatAnswerTakesTheOneThatAllProgramsTake) {
+  FoundSensors found;
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "fe80::1%eth0", DiscoveryMethod::kDirect));
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "192.0.2.3", DiscoveryMethod::kDirect));
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "fe80::1%eth0", DiscoveryMethod::kDirect));
+  EXPECT_EQ(found.sorted()[0].address, "192.0.2.3");
+}
+
+// Its beacon may come from an address that this machine does not reach, and IPv6 leads there.
+TEST(FoundSensors, AsksEachAddressUntilOneAnswers) {
+  FoundSensors found;
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "10.0.0.5", DiscoveryMethod::kBeacon));
+  found.take_mdns(mdns_answer(), "fe80::1%eth0");
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "10.0.0.5", DiscoveryMethod::kBeacon));
+  EXPECT_EQ(found.take_silent(),
+            (std::vector<std::string>{"10.0.0.5:7560", "[fe80::1%eth0]:7560"}));
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "fe80::1%eth0", DiscoveryMethod::kDirect));
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "10.0.0.6", DiscoveryMethod::kBeacon));
+  EXPECT_TRUE(found.take_silent().empty());
+  EXPECT_EQ(found.sorted()[0].heard,
+            (std::vector<std::string>{"10.0.0.5", "fe80::1%eth0", "10.0.0.6"}));
+}
+
+TEST(FoundSensors, KnowsWhoAnswersByBroadcastAlone) {
+  FoundSensors found;
+  // It has none; that is no place to ask at, since here it is this machine.
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "0.0.0.0", DiscoveryMethod::kBeacon));
+  EXPECT_EQ(found.sorted()[0].address, kNoAddress);
+  EXPECT_TRUE(found.sorted()[0].heard.empty());
+  EXPECT_TRUE(found.take_silent().empty());
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "10.0.0.5", DiscoveryMethod::kBeacon));
+  EXPECT_FALSE(found.sorted()[0].by_link_alone());  // that is a beacon, nothing was asked
+  EXPECT_TRUE(
+      found.take_packet(announcement("A17", 7560, 8), "10.0.0.5", DiscoveryMethod::kBeacon));
+  EXPECT_TRUE(found.sorted()[0].by_link_alone());
+  EXPECT_EQ(found.sorted()[0].address, "10.0.0.5");
+  EXPECT_EQ(found.sorted()[0].session_id, 5U);
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "10.0.0.5", DiscoveryMethod::kDirect));
+  EXPECT_FALSE(found.sorted()[0].by_link_alone());
 }
 
 TEST(FoundSensors, TellsSensorsApart) {
