@@ -18,6 +18,13 @@ bool is_address(const std::string& called) {
          called.find_first_of(".:[") != std::string::npos;
 }
 
+void refuse_folder(const std::string& called) {
+  std::error_code error;
+  if (std::filesystem::is_directory(called, error)) {
+    throw Failure(Exit::kBadInput, called + ": is a folder: give a sensor, or a recording");
+  }
+}
+
 std::string look_for(const std::string& called) {
   const auto fits = [&](const client::FoundSensor& sensor) {
     return sensor.serial == called || sensor.name == called;
@@ -38,7 +45,16 @@ std::string look_for(const std::string& called) {
                                        " sensors have that name: name one by its serial number, " +
                                        found[0].serial + " or " + found[1].serial);
   }
+  // The system takes a number for an address: 1 for 0.0.0.1.
+  const bool is_number = called.find_first_not_of("0123456789") == std::string::npos;
+  if (found.empty() && is_number) {
+    throw Failure(Exit::kBadInput,
+                  called +
+                      ": no sensor near has that serial number, as it is written on it, or name: "
+                      "stof discover lists the sensors");
+  }
   if (found.empty() && !client::resolve_sensor(called)) {
+    refuse_folder(called);
     throw Failure(Exit::kBadInput,
                   called +
                       ": does not exist: no file, no sensor near and no host has that name: "
@@ -56,7 +72,15 @@ bool is_recorded(const std::string& sensor) {
 }
 
 std::string sensor_address(const std::string& called) {
+  if (is_recorded(called)) {
+    refuse_folder(called);
+    throw Failure(Exit::kBadInput, called + ": is a recording: this takes a sensor that runs");
+  }
   if (is_address(called)) {
+    // No host is called so.
+    if (!called.empty() && called.find_first_not_of('.') == std::string::npos) {
+      refuse_folder(called);
+    }
     return called;
   }
   static std::map<std::string, std::string> known;  // of this one command
