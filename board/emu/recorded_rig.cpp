@@ -134,11 +134,16 @@ RecordedRig::Input RecordedRig::read() {
 void RecordedRig::count_input(const RawInput& input) {
   counts_.missing += input.missing != 0 ? 1U : 0U;
   const wire::RawInfo& info = input.info;
-  // A subscription that began anew counts from 1.
+  // A subscription that began anew counts from 1. An exposure that was begun and given up counts as
+  // dropped, too: what was never received is no more than the frames between two exposures.
   if (before_ && info.number > before_->number && info.dropped >= before_->dropped) {
-    counts_.unsent += info.number - before_->number - 1 + (info.dropped - before_->dropped);
+    const std::uint64_t told =
+        std::uint64_t{info.number} - before_->number - 1 + (info.dropped - before_->dropped);
+    const std::uint32_t frames = input.stamp.number - frame_before_;
+    counts_.unsent += frames == 0 ? told : std::min<std::uint64_t>(told, frames - 1);
   }
   before_ = info;
+  frame_before_ = input.stamp.number;
 }
 
 Result<hal::Time> RecordedRig::pulse() noexcept {

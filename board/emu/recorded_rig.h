@@ -116,6 +116,7 @@ class RecordedRig final : public Replay, public hal::Trigger {
   bool awaiting_ = false;  // now_ was pulsed, and not computed yet
   std::uint32_t settings_ = 0;
   std::optional<wire::RawInfo> before_;  // of the last that was read
+  std::uint32_t frame_before_ = 0;       // its frame's number
   Sent sent_;
   Counts counts_;
 };

@@ -346,9 +346,12 @@ std::string stage_times(const Counters& counters) {
   std::string text = "time of a frame, mean (longest) in us:";
   for (std::size_t i = 0; i < kStages; ++i) {
     const auto frames = static_cast<std::int64_t>(counters.published == 0 ? 1 : counters.published);
-    text += std::string(i == 0 ? " " : ", ") + kNames[i] + " " +
-            microseconds(counters.stages[i].total / frames) + " (" +
-            microseconds(counters.stages[i].longest) + ")";
+    const StageTime& stage = counters.stages[i];
+    text += std::string(i == 0 ? " " : ", ") + kNames[i] + " ";
+    // A recording's clock stands still meanwhile.
+    text += stage.longest == hal::Duration::zero()
+                ? "not measured"
+                : microseconds(stage.total / frames) + " (" + microseconds(stage.longest) + ")";
   }
   return text;
 }

@@ -76,7 +76,7 @@ void Loop::lend_devices() noexcept {
     const Need other = conditions_.repeats(component) ? Need::kRepeats : Need::kNone;
     const Need need = conditions_.lost(component) ? Need::kLost : other;
     if (need != Need::kNone) {
-      publisher_.give_back_raw();
+      publisher_.give_back_raw(device == board::Device::kStereo, device == board::Device::kPmd);
     }
     if (lending_->after_round(device, need, borrowed, now) && need == Need::kRepeats) {
       collector_.expect_anew(device);
@@ -102,7 +102,7 @@ void Loop::restart(const board::TimingConfig& timing) noexcept {
 }
 
 void Loop::rest_part() noexcept {
-  publisher_.give_back_raw();
+  publisher_.give_back_raw(true, true);
   held_.reset();
   pipeline_.forget_match();
   collector_.forget_pmd();

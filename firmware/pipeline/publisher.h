@@ -83,7 +83,7 @@ class Publisher {
   // Waits, and sends raw pictures meanwhile: what the loop does until an edge.
   void wait_until(hal::Time time) noexcept;
   // What is lent of raw pictures goes home: a camera is to be opened again.
-  void give_back_raw() noexcept { raw_.give_back(); }
+  void give_back_raw(bool pair, bool samples) noexcept { raw_.give_back(pair, samples); }
   // Events that are due: as soon as one may have been noted.
   void report_events() noexcept;
   // Health, and events that are due. Each period, also where there is no frame.

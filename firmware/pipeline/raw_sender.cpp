@@ -55,10 +55,11 @@ void RawSender::offer(Shot& shot, const wire::FrameStamp& stamp) noexcept {
 }
 
 void RawSender::begin(Shot& shot, std::uint8_t pictures, const wire::FrameStamp& stamp) noexcept {
+  told_state_ = std::exchange(state_, std::uint8_t{0});
   wire::RawInfo info{.edge_ns = shot.edge.time_since_epoch().count(),
                      .number = ++number_,
                      .dropped = dropped_,
-                     .state = std::exchange(state_, std::uint8_t{0}),
+                     .state = told_state_,
                      .pmd_every = pmd_every_,
                      .disparities = disparities_};
   wire::RawImages images;
@@ -89,7 +90,7 @@ void RawSender::begin(Shot& shot, std::uint8_t pictures, const wire::FrameStamp&
   hurries_ = false;
   retry_ = kRetry / 2;
   if (packets_.count() == 0) {
-    ++dropped_;
+    lose();
     release();
   }
 }
@@ -111,7 +112,7 @@ void RawSender::send_until(hal::Time until, Way& way) noexcept {
   while (underway()) {
     const hal::Time now = clock_.now();
     if (now - start_ >= kGiveUp) {
-      give_back();
+      give_up();
       return;
     }
     const hal::Time due = std::max(burst_due(), now);
@@ -135,7 +136,7 @@ void RawSender::send_burst(Way& way) noexcept {
   const Status status = way.send_raw(std::span(burst).first(count), sent);
   next_ += sent;
   if (status != Status::kOk && status != Status::kWouldBlock) {
-    give_back();
+    give_up();
     return;
   }
   retry_ = sent > 0 ? kRetry : std::min(2 * retry_, kMostRetry);
@@ -145,9 +146,27 @@ void RawSender::send_burst(Way& way) noexcept {
   }
 }
 
-void RawSender::give_back() noexcept {
-  dropped_ += underway() ? 1U : 0U;
+void RawSender::give_back(bool pair, bool samples) noexcept {
+  if ((pair && stereo_) || (samples && pmd_)) {
+    give_up();
+  }
+}
+
+void RawSender::give_up() noexcept {
+  if (underway()) {
+    lose();
+  }
   release();
+}
+
+// An exposure of which nothing has left was not begun, for its receiver: it is counted once, and
+// the next one tells what it would have told.
+void RawSender::lose() noexcept {
+  ++dropped_;
+  if (next_ == 0) {
+    --number_;
+    state_ |= told_state_;
+  }
 }
 
 void RawSender::release() noexcept {

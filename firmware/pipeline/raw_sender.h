@@ -70,8 +70,9 @@ class RawSender {
       send_until(until, way);
     }
   }
-  // The slots go home now: a camera is to be opened again.
-  void give_back() noexcept;
+  // The slots of these cameras go home now: they are to be opened again, or nobody exposes any
+  // more. The pictures of an exposure go together.
+  void give_back(bool pair, bool samples) noexcept;
 
   // Exposures of this request that were due and not sent, or not to their end.
   std::uint32_t dropped() const noexcept { return dropped_; }
@@ -81,6 +82,8 @@ class RawSender {
   void begin(Shot& shot, std::uint8_t pictures, const wire::FrameStamp& stamp) noexcept;
   hal::Time burst_due() const noexcept;
   void send_burst(Way& way) noexcept;
+  void give_up() noexcept;
+  void lose() noexcept;
   void release() noexcept;
 
   wire::Origin origin_;
@@ -92,7 +95,8 @@ class RawSender {
   std::uint32_t wait_ = 0;    // frames before the next exposure is due
   std::uint32_t number_ = 0;  // exposures that were begun
   std::uint32_t dropped_ = 0;
-  std::uint8_t state_ = 0;  // of the shots since the last exposure that was begun
+  std::uint8_t state_ = 0;       // of the shots since the last exposure that was begun
+  std::uint8_t told_state_ = 0;  // with the exposure on its way
   // The exposure on its way.
   std::optional<hal::BorrowedFrame<hal::StereoFrame>> stereo_;
   std::optional<hal::BorrowedFrame<hal::PmdFrame>> pmd_;

@@ -214,6 +214,8 @@ int main(int argc, char** argv) {
   std::set_new_handler(nullptr);  // from here on it is an exception
   // A file that may not grow any more is a full disk to us, not the end of the program.
   static_cast<void>(std::signal(SIGXFSZ, SIG_IGN));
+  // Nor is a reader that has gone.
+  static_cast<void>(std::signal(SIGPIPE, SIG_IGN));
   try {
     const int code = stof::host::run(argc, argv);
     // What nobody can read was not said: a full disk, a terminal that has gone.

@@ -5,8 +5,11 @@
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
 #include "host/cli/json_output.h"
+#include "host/cli/live/frame_wait.h"
+#include "host/cli/live/link_teller.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/sensor/find_sensor.h"
+#include "host/cli/view/status_line.h"
 #include "host/client/control/known_sensors.h"
 #include "host/client/control/user_keys.h"
 
@@ -64,10 +67,42 @@ std::string silence_text(client::Receiver& receiver, std::optional<std::uint32_t
     return ": none is signed for this program: somebody sends in the sensor's name, or the sensor "
            "does not sign; stof check tells";
   }
+  const client::LinkState link = receiver.link();
+  if (const std::string alone = health_alone_text(link, receiver.health()); !alone.empty()) {
+    return alone;
+  }
+  const bool was_there = link.frame_age || link.health_age;
   if (receiver.take_refusal()) {
-    return ": nobody listens there: start stofd, or check its port";
+    return was_there ? ": nobody listens there any more: what sent there was stopped"
+                     : ": nobody listens there: start stofd, or check its port";
   }
   return ": check that the sensor runs, its address and the network";
+}
+
+std::string absence_text(client::Receiver& receiver, const ReceiveOptions& options) {
+  if (!options.sensor.empty()) {
+    return silence_text(receiver, options.device);
+  }
+  const std::string alone = health_alone_text(receiver.link(), receiver.health());
+  return alone.empty() ? ": start stofd with --to, or check the network" : alone;
+}
+
+std::string no_frame_text(client::Receiver& receiver, const ReceiveOptions& options) {
+  const bool heard = receiver.statistics().packets() != 0;
+  return (heard ? "packets came, but no frame" : "no packet came") +
+         absence_text(receiver, options) +
+         (heard ? "; " + summary_line(receiver.statistics()) : "");
+}
+
+std::string ended_text(client::Receiver& receiver, const ReceiveOptions& options) {
+  const client::LinkState link = receiver.link();
+  if (receiver.subscription() == client::Subscription::State::kNoKey || receiver.other_tags()) {
+    return silence_text(receiver, options.device);
+  }
+  const std::string alone = health_alone_text(link, receiver.health());
+  return alone.empty() ? ", last health " + age_text(link.health_age) +
+                             " ago: check that it runs, and the network"
+                       : alone;
 }
 
 std::string first_frame_line(const ReceiveOptions& options, const client::Receiver& receiver,
@@ -110,7 +145,10 @@ void add_place_flags(CLI::App& command, ReceiveOptions& options) {
 
 void add_subscription_flags(CLI::App& command, ReceiveOptions& options) {
   command
-      .add_option("--timeout", options.timeout_s, "Give up after so many seconds without a packet")
+      .add_option(
+          "--timeout", options.timeout_s,
+          "Give up after so many seconds without a frame that was due (stof health: without "
+          "a packet)")
       ->check(CLI::Range(0.01, 1e6))
       ->capture_default_str();
   add_key_flags(command, options);

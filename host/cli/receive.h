@@ -17,7 +17,7 @@ struct ReceiveOptions {
   // Where to listen, without a sensor alone; none: port 7560 at every interface.
   std::optional<std::uint16_t> port;  // 0: any free one
   std::optional<std::string> bind;
-  double timeout_s = 5;                 // without any packet
+  double timeout_s = 5;                 // without a frame since the next one was due
   std::filesystem::path port_file;      // gets the port's number when it is open
   bool signed_streams = false;          // takes only what the sensor signs for this program
   std::string keys;                     // file of them; empty: this user's
@@ -47,8 +47,14 @@ void tell_port(const ReceiveOptions& options, const client::Receiver& receiver);
 
 // "UDP 192.168.1.20:7560".
 std::string place_of(const client::Receiver& receiver);
-// Why a subscription brings nothing, and what to do.
+// Why a subscription brings no frame, and what to do.
 std::string silence_text(client::Receiver& receiver, std::optional<std::uint32_t> meant);
+// The same, also of one that sends by itself.
+std::string absence_text(client::Receiver& receiver, const ReceiveOptions& options);
+// Why no frame came at all: "packets came, but no frame: ...".
+std::string no_frame_text(client::Receiver& receiver, const ReceiveOptions& options);
+// Why no more frames came, after some: ": its health comes, ..." or ", last health 2.1 s ago: ...".
+std::string ended_text(client::Receiver& receiver, const ReceiveOptions& options);
 // The line that says whose frames these are. A signature proves it, so that from now on it is the
 // one that is meant there.
 std::string first_frame_line(const ReceiveOptions& options, const client::Receiver& receiver,

@@ -158,6 +158,10 @@ void unpair(const UnpairOptions& options) {
     forget_only(options, file, device, key_id);
     return;
   }
+  if (options.list && options.serial.empty() && meant.keys.count() == 0) {
+    throw Failure(Exit::kBadInput, file + ": has no key of " + options.sensor +
+                                       ": pair with it first: stof pair " + options.sensor);
+  }
   auto transport = open_way("unpair", options.sensor, options.serial, options.baud);
   const std::string place = transport->place();
   client::ControlOptions control = timing(options.timeout_s);

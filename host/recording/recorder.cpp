@@ -90,6 +90,13 @@ std::expected<void, Problem> Recorder::write(const Batch& batch) {
   return {};
 }
 
+std::uint64_t Recorder::messages_of(Topic topic) const {
+  const auto& counts = writer_.index().statistics.messages_by_channel;
+  const auto channel = channels_.find(topic);
+  const auto count = channel == channels_.end() ? counts.end() : counts.find(channel->second);
+  return count == counts.end() ? 0 : count->second;
+}
+
 void Recorder::run() {
   using Clock = std::chrono::steady_clock;
   Clock::time_point sync_due = Clock::now() + options_.sync_period;
@@ -126,10 +133,8 @@ void Recorder::run() {
     ended_.problem = done.error();
   }
   ended_.indexed = indexed;
-  const auto& counts = writer_.index().statistics.messages_by_channel;
-  const auto channel = channels_.find(Topic::kFrameInfo);
-  const auto count = channel == channels_.end() ? counts.end() : counts.find(channel->second);
-  ended_.frames = count == counts.end() ? 0 : count->second;
+  ended_.frames = messages_of(Topic::kFrameInfo);
+  ended_.exposures = messages_of(Topic::kRawEdge);
   ended_.statistics = writer_.index().statistics;
   ended_.bytes = indexed ? writer_.bytes() : writer_.position();
 }

@@ -59,6 +59,7 @@ class Recorder {
     bool indexed = true;
     mcap::Statistics statistics{};  // of the file, as the two that follow
     std::uint64_t frames = 0;
+    std::uint64_t exposures = 0;  // with raw pictures
     std::uint64_t bytes = 0;
   };
   // Writes all that waits, and ends the file. Once.
@@ -77,6 +78,7 @@ class Recorder {
   void run();
   std::expected<void, Problem> write(const Batch& batch);
   bool enqueue(Batch&& batch, bool always);
+  std::uint64_t messages_of(Topic topic) const;
 
   mcap::Writer writer_;  // of the thread
   RecorderOptions options_;

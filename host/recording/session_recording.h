@@ -38,6 +38,8 @@ class SessionRecording {
   // Settings that are still asked for, at the end: waits for them.
   void finish() { take_documents(true); }
 
+  // An exposure that is recorded has come.
+  bool raw_begun() const { return raw_begun_; }
   bool begun() const { return origin_.has_value(); }  // a frame has come
   std::uint64_t frames() const { return frames_; }
   std::uint64_t dropped() const { return dropped_; }  // frames and exposures, by a slow disk

@@ -42,6 +42,8 @@ struct Exposed {
   std::uint32_t number = 0;   // RawInfo::number; 0: one more than before
   std::int64_t begin_ns = 0;  // of the left exposure; 0: as it should be
   std::uint32_t session = 4;
+  std::uint32_t skipped = 0;  // frames before it that have no exposure here
+  std::uint32_t dropped = 0;  // RawInfo::dropped
 };
 
 class RecordedRigTest : public Scratch {
@@ -98,6 +100,7 @@ class RecordedRigTest : public Scratch {
     wire::RawInfo info{.edge_ns = edge,
                        .sequences = {number, number, number},
                        .number = number,
+                       .dropped = exposed.dropped,
                        .width = kWidth,
                        .height = kHeight,
                        .camera_width = kWidth,
@@ -128,6 +131,7 @@ class RecordedRigTest : public Scratch {
     EXPECT_TRUE(recorder);
     put_documents(**recorder);
     std::uint32_t number = 0;
+    std::uint32_t skipped = 0;
     const std::uint32_t calibration =
         wire::calibration_fingerprint(std::as_bytes(std::span(calibration_)));
     for (std::size_t k = 0; k < all.size(); ++k) {
@@ -137,6 +141,9 @@ class RecordedRigTest : public Scratch {
       const std::vector<std::uint8_t> right = eye(k, 1);
       const std::vector<std::uint16_t> samples = sample(k);
       client::Frame frame = frame_of(k, all[k], calibration);
+      skipped += all[k].skipped;
+      frame.stamp.number += skipped;
+      frame.stamp.freshness += skipped;
       frame.depth = {plane.data(), kWidth, kHeight};
       client::RawExposure raw{.origin = frame.origin,
                               .stamp = frame.stamp,
@@ -236,7 +243,7 @@ TEST_F(RecordedRigTest, ALostPictureIsMissingAndTold) {
 }
 
 TEST_F(RecordedRigTest, TellsWhatDiffersAndWhatWasNeverReceived) {
-  const auto rig = open({{}, {.number = 4}, {}});
+  const auto rig = open({{}, {.number = 4, .skipped = 2}, {}});
   ASSERT_TRUE(rig);
   for (std::size_t k = 0; k < 3; ++k) {
     ASSERT_TRUE(rig->pulse());
@@ -246,8 +253,22 @@ TEST_F(RecordedRigTest, TellsWhatDiffersAndWhatWasNeverReceived) {
   EXPECT_FALSE(verdict.equal);
   ASSERT_EQ(verdict.lines.size(), 2U);
   EXPECT_EQ(verdict.lines[0],
-            "replay: 2 frames equal the recorded depth, 1 differ, the first is frame 2");
+            "replay: 2 frames equal the recorded depth, 1 differ, the first is frame 4");
   EXPECT_NE(verdict.lines[1].find("2 exposures were never received"), std::string::npos);
+}
+
+// An exposure that was begun and given up advances the sensor's number, and counts as dropped.
+TEST_F(RecordedRigTest, WhatWasGivenUpCountsOnce) {
+  const auto rig = open({{}, {.number = 4, .skipped = 2, .dropped = 2}, {.dropped = 2}});
+  ASSERT_TRUE(rig);
+  for (std::size_t k = 0; k < 3; ++k) {
+    ASSERT_TRUE(rig->pulse());
+    compute(*rig, k);
+  }
+  const board::Replay::Verdict verdict = rig->verdict();
+  ASSERT_EQ(verdict.lines.size(), 2U);
+  EXPECT_NE(verdict.lines[1].find(" 2 exposures were never received"), std::string::npos)
+      << verdict.lines[1];
 }
 
 TEST_F(RecordedRigTest, ExposuresBehindARestartAreMissing) {

@@ -10,6 +10,7 @@
 
 #include "firmware/wire/frame/raw_packets.h"
 #include "host/cli/failure.h"
+#include "host/cli/live/frame_wait.h"
 #include "host/cli/view/raw_files.h"
 
 namespace stof::host {
@@ -77,27 +78,21 @@ struct RawFeed::Parts {
   std::optional<std::string> receive(const std::stop_token& stop) {
     constexpr std::chrono::milliseconds kLook{50};
     const std::chrono::duration<double> patience(options.timeout_s);
-    client::Time heard = Clock::now();
-    client::Time seen = heard;
-    std::uint64_t packets = 0;
+    const client::Time began = Clock::now();
+    client::Time seen = began;
     while (!stop.stop_requested()) {
       const Result<client::Frame> frame = receiver.next(kLook);
       const bool failed = !frame && frame.error() == Status::kDeviceLost;
       const client::Time now = Clock::now();
       const bool seen_now = take_raw();
       seen = seen_now ? now : seen;
-      // What is not the sensor's does not count: whoever sends it must not keep us waiting.
-      const client::Statistics& statistics = receiver.statistics();
-      const std::uint64_t heard_of =
-          statistics.packets() - statistics.not_signed - statistics.forged;
-      heard = std::exchange(packets, heard_of) != heard_of ? now : heard;
       if (failed) {
         return "the socket failed: start again";
       }
-      if (now - heard > patience) {
-        return place_of(receiver) +
-               (packets == 0 ? ": no packet came" : ": the sensor fell silent") +
-               silence_text(receiver, options.device);
+      if (frames_stay_away(receiver, began, options.timeout_s, now)) {
+        return place_of(receiver) + ": " +
+               (receiver.link().frame_age ? "no frame came any more" + ended_text(receiver, options)
+                                          : no_frame_text(receiver, options));
       }
       // Who is denied them is so for good; another one's end some time.
       if (now - seen > 2 * patience ||

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "host/cli/failure.h"
+#include "host/cli/live/frame_wait.h"
 #include "host/cli/stop_signal.h"
-#include "host/cli/view/status_line.h"
 
 namespace stof::host {
 
@@ -16,10 +16,11 @@ Reception::Reception(const ReceiveOptions& options, Listener listener)
   tell_port(options_, receiver_);
 }
 
-void Reception::run(const std::function<bool()>& done) {
+void Reception::run(const std::function<bool()>& done, Awaited awaited) {
   constexpr std::chrono::milliseconds kLook{50};
   silent_ = false;
-  client::Time heard = client::Time::clock::now();
+  const client::Time began = client::Time::clock::now();
+  client::Time heard = began;
   std::uint64_t packets = 0;
   while (!asked_to_stop() && !done()) {
     take(receiver_.next(kLook));
@@ -38,7 +39,10 @@ void Reception::run(const std::function<bool()>& done) {
     const std::uint64_t heard_of = all.packets() - all.not_signed - all.forged;
     const client::Time now = client::Time::clock::now();
     heard = std::exchange(packets, heard_of) != heard_of ? now : heard;
-    if (now - heard > std::chrono::duration<double>(options_.timeout_s)) {
+    const bool over = awaited == Awaited::kFrames
+                          ? frames_stay_away(receiver_, began, options_.timeout_s, now)
+                          : now - heard > std::chrono::duration<double>(options_.timeout_s);
+    if (over) {
       silent_ = true;
       return;
     }
@@ -66,18 +70,14 @@ void Reception::take(const Result<client::Frame>& frame) {
 }
 
 void Reception::fail() {
-  const bool heard = receiver_.statistics().packets() != 0;
-  std::string why;
-  if (frames_ != 0) {
-    why = ": the sensor fell silent after " + std::to_string(frames_) + " frames, last health " +
-          age_text(receiver_.link().health_age) + " ago: check that it runs, and the network";
-  } else {
-    why = std::string(heard ? ": packets came, but no frame" : ": no packet came") +
-          (options_.sensor.empty() ? ": start stofd with --to, or check the network"
-                                   : silence_text(receiver_, options_.device)) +
-          (heard ? "; " + summary_line(receiver_.statistics()) : "");
+  if (frames_ == 0) {
+    throw Failure(Exit::kFailure, place() + ": " + no_frame_text(receiver_, options_));
   }
-  throw Failure(Exit::kFailure, place() + why);
+  const bool alone = what_comes(receiver_.link()) == Comes::kHealthAlone;
+  throw Failure(
+      Exit::kFailure,
+      place() + (alone ? ": no frame came any more after " : ": the sensor fell silent after ") +
+          std::to_string(frames_) + " frames" + ended_text(receiver_, options_));
 }
 
 }  // namespace stof::host

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -22,14 +23,18 @@ class Reception {
   // Subscribes, or listens where no sensor is named. Throws Failure.
   Reception(const ReceiveOptions& options, Listener listener);
 
-  // Until done() says so, a signal, or ReceiveOptions::timeout_s without a packet of the sensor.
-  // Throws Failure where the socket fails.
-  void run(const std::function<bool()>& done);
+  enum class Awaited : std::uint8_t {
+    kFrames,
+    kAnything,  // health is enough
+  };
+  // Until done() says so, a signal, or ReceiveOptions::timeout_s without what is awaited of the
+  // sensor. Throws Failure where the socket fails.
+  void run(const std::function<bool()>& done, Awaited awaited = Awaited::kFrames);
 
   client::Receiver& receiver() noexcept { return receiver_; }
   std::string place() const { return place_of(receiver_); }
   std::uint64_t frames() const noexcept { return frames_; }
-  bool silent() const noexcept { return silent_; }  // the last run() ended for want of packets
+  bool silent() const noexcept { return silent_; }  // the last run() ended by the timeout
   const LinkTeller& link() const noexcept { return teller_; }
   // Of the first frame; none: no frame came.
   std::optional<std::uint32_t> device() const noexcept { return device_; }

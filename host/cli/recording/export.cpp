@@ -1,8 +1,12 @@
 #include "host/cli/recording/export.h"
 
 #include <chrono>
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <system_error>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -52,6 +56,51 @@ std::string none_text(const ExportOptions& options) {
          " takes: clouds take depth and calibration, pictures depth";
 }
 
+// A folder and those above it, made where missing; what was made for nothing goes again.
+class MadeFolder {
+ public:
+  explicit MadeFolder(const std::filesystem::path& folder) {
+    std::error_code error;
+    for (std::filesystem::path at = std::filesystem::absolute(folder, error);
+         !at.empty() && !std::filesystem::exists(at, error); at = at.parent_path()) {
+      if (at.has_filename()) {  // no slash at its end
+        made_.push_back(at);
+      }
+    }
+    make_folder(folder);
+  }
+  ~MadeFolder() {
+    std::error_code in_use;
+    for (const std::filesystem::path& one : made_) {
+      if (!std::filesystem::remove(one, in_use)) {
+        break;
+      }
+    }
+  }
+  MadeFolder(const MadeFolder&) = delete;
+  MadeFolder& operator=(const MadeFolder&) = delete;
+
+ private:
+  std::vector<std::filesystem::path> made_;  // the innermost first
+};
+
+// Tells what was exported, also where a file could not be written after others were.
+// rescue: as Exporter's.
+void told_also_when_it_fails(const ExportOptions& options, ExportCounts& counts,
+                             const std::function<void()>& work,
+                             const std::function<std::uint64_t(std::uint64_t)>& rescue) {
+  try {
+    work();
+  } catch (const Failure&) {
+    counts.exported = rescue(counts.exported);
+    if (counts.exported != 0) {
+      print_counts(options, counts);
+    }
+    throw;
+  }
+  print_counts(options, counts);
+}
+
 // What a sensor sends, as it comes.
 class LiveExport {
  public:
@@ -71,7 +120,7 @@ class LiveExport {
                                  }}),
         progress_(options.sensor, options.json) {}
 
-  ExportCounts run() {
+  void run() {
     reception_.run([this] {
       const std::optional<wire::HealthReport>& health = reception_.receiver().health();
       if (health && health->uptime_ms != uptime_ms_) {
@@ -87,7 +136,10 @@ class LiveExport {
     if (exporter_) {
       exporter_->finish(sights_);
     }
-    return counts_;
+  }
+  ExportCounts& counts() { return counts_; }
+  std::uint64_t rescue(std::uint64_t exported) {
+    return exporter_ ? exporter_->rescue(exported) : exported;
   }
 
   // After what came was told.
@@ -111,7 +163,6 @@ class LiveExport {
       return;
     }
     if (!exporter_) {
-      make_folder(options_.to);
       exporter_ = make_exporter(options_.as, options_.to);
     }
     if (options_.frames == 0 || counts_.frames < options_.frames) {
@@ -135,34 +186,40 @@ class LiveExport {
 
 void export_sensor(const ExportOptions& options) {
   need_folder(options.to, "--to");
+  const MadeFolder folder(options.to);
   LiveExport session(options);
-  print_counts(options, session.run());
+  told_also_when_it_fails(
+      options, session.counts(), [&] { session.run(); },
+      [&](std::uint64_t exported) { return session.rescue(exported); });
   session.judge();
 }
 
 void export_recording(const ExportOptions& options) {
   const std::string& file = options.sensor;
   auto reader = value_or_fail(recording::FrameReader::open(file));
-  make_folder(options.to);
+  const MadeFolder folder(options.to);
   const std::unique_ptr<Exporter> exporter = make_exporter(options.as, options.to);
   ExportCounts counts;
-  {
-    ExportProgress progress(file, options.json);
-    while (options.frames == 0 || counts.frames < options.frames) {
-      const std::optional<recording::RecordedFrame> frame = reader.next();
-      if (!frame) {
-        break;
+  const auto work = [&] {
+    {
+      ExportProgress progress(file, options.json);
+      while (options.frames == 0 || counts.frames < options.frames) {
+        const std::optional<recording::RecordedFrame> frame = reader.next();
+        if (!frame) {
+          break;
+        }
+        const ExportStamp stamp{.index = counts.frames, .log_time = frame->log_time};
+        counts.exported += exporter->add(frame->view(), stamp) ? 1U : 0U;
+        ++counts.frames;
+        progress.show(counts.frames, reader.position(), reader.size());
       }
-      const ExportStamp stamp{.index = counts.frames, .log_time = frame->log_time};
-      counts.exported += exporter->add(frame->view(), stamp) ? 1U : 0U;
-      ++counts.frames;
-      progress.show(counts.frames, reader.position(), reader.size());
     }
-  }
-  exporter->finish(reader.sights());
-  counts.damaged = reader.damaged();
-  counts.damaged_bytes = reader.damaged_bytes();
-  print_counts(options, counts);
+    exporter->finish(reader.sights());
+    counts.damaged = reader.damaged();
+    counts.damaged_bytes = reader.damaged_bytes();
+  };
+  told_also_when_it_fails(options, counts, work,
+                          [&](std::uint64_t exported) { return exporter->rescue(exported); });
   if (counts.exported == 0 || counts.damaged != 0) {
     std::string what = none_text(options);
     if (counts.damaged != 0) {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <map>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include "dataset/files/file.h"
 #include "host/cli/evaluate/evaluate.h"
@@ -132,6 +134,8 @@ class CsvExporter : public Exporter {
         frame.info ? std::to_string(frame.info->settings_revision).c_str() : "");
     return true;
   }
+  // Its files hold all frames: without them there is none.
+  std::uint64_t rescue(std::uint64_t /*exported*/) override { return 0; }
   void finish(const recording::Sights& sights) override {
     write_file(to() / "frames.csv",
                "index,log_time_ns,number,session,exposure_middle_ns,packets,missing_packets,pixels,"
@@ -188,26 +192,56 @@ class TumExporter : public Exporter {
     const std::string depth = "depth/" + stamp + ".png";
     value_or_end(write_png(to() / depth, scaled,
                            {{"Description", "16-bit grey: Z, value / 5000 = metres, 0 = none"}}));
-    depth_ += stamp + " " + depth + "\n";
+    pictures_.push_back({.stamp = stamp});
     if (!frame.left.empty()) {
       make_own_folder(to() / "rgb");
-      const std::string left = "rgb/" + stamp + ".png";
-      write_file(to() / left, png_bytes(copy_of(frame.left)));
-      left_ += stamp + " " + left + "\n";
+      write_file(to() / left_of(pictures_.back()), png_bytes(copy_of(frame.left)));
+      pictures_.back().has_left = true;
     }
     return true;
   }
   void finish(const recording::Sights& /*sights*/) override {
     const char* const head = "# seconds of the sensor's clock, middle of the exposure; file\n";
-    write_file(to() / "depth.txt", head + depth_);
-    if (!left_.empty()) {
-      write_file(to() / "rgb.txt", head + left_);
+    std::string depth = head;
+    std::string left;
+    for (const Picture& one : pictures_) {
+      depth += one.stamp + " " + depth_of(one) + "\n";
+      left += one.has_left ? one.stamp + " " + left_of(one) + "\n" : "";
     }
+    write_file(to() / "depth.txt", depth);
+    if (!left.empty()) {
+      write_file(to() / "rgb.txt", head + left);
+    }
+  }
+  // The lists, for which up to eight of the last pictures give way.
+  std::uint64_t rescue(std::uint64_t exported) override {
+    constexpr int kMostGiven = 8;
+    std::error_code none;
+    for (int given = 0; !pictures_.empty() && given <= kMostGiven; ++given) {
+      try {
+        finish({});
+        return std::min<std::uint64_t>(exported, pictures_.size());
+      } catch (const Failure&) {
+        std::filesystem::remove(to() / depth_of(pictures_.back()), none);
+        std::filesystem::remove(to() / left_of(pictures_.back()), none);
+        pictures_.pop_back();
+      }
+    }
+    for (const char* const folder : {"depth", "rgb"}) {  // where nothing lies in it
+      std::filesystem::remove(to() / folder, none);
+    }
+    return std::min<std::uint64_t>(exported, pictures_.size());
   }
 
  private:
-  std::string depth_;
-  std::string left_;
+  struct Picture {
+    std::string stamp{};
+    bool has_left = false;
+  };
+  static std::string depth_of(const Picture& one) { return "depth/" + one.stamp + ".png"; }
+  static std::string left_of(const Picture& one) { return "rgb/" + one.stamp + ".png"; }
+
+  std::vector<Picture> pictures_;
 };
 
 using MakeExporter = std::unique_ptr<Exporter> (*)(const std::filesystem::path&);

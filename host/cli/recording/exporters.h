@@ -29,6 +29,9 @@ class Exporter {
   // False: the frame has nothing for this format.
   virtual bool add(const client::Frame& frame, const ExportStamp& stamp) = 0;
   virtual void finish(const recording::Sights& /*sights*/) {}
+  // After a file could not be written: makes usable what is there, and returns how many frames that
+  // is, of `exported`.
+  virtual std::uint64_t rescue(std::uint64_t exported) { return exported; }
 
  protected:
   const std::filesystem::path& to() const { return to_; }

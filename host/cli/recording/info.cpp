@@ -71,9 +71,12 @@ std::string schema_of(const recording::Summary& summary, const mcap::Channel& ch
 std::string info_text(const std::string& file, const recording::Summary& summary) {
   const mcap::Statistics& all = summary.index.statistics;
   std::string text = file + ": " + state_text(summary) + "\n";
-  text += printed("  %.1f s from %s, %.1f MB, %llu messages in %zu chunks\n", seconds_of(all),
-                  time_text(all.start_time).c_str(), static_cast<double>(summary.bytes) / 1e6,
-                  static_cast<unsigned long long>(all.message_count), summary.index.chunks.size());
+  text += all.message_count == 0
+              ? std::string("  no messages")
+              : printed("  %.1f s from %s", seconds_of(all), time_text(all.start_time).c_str());
+  text +=
+      printed(", %.1f MB, %llu messages in %zu chunks\n", static_cast<double>(summary.bytes) / 1e6,
+              static_cast<unsigned long long>(all.message_count), summary.index.chunks.size());
   text += printed("  %llu frames, %llu of them incomplete, %llu missing in %zu gaps, %u sessions\n",
                   static_cast<unsigned long long>(summary.frames),
                   static_cast<unsigned long long>(summary.incomplete_frames),

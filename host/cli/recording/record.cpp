@@ -10,6 +10,7 @@
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
 #include "host/cli/json_output.h"
+#include "host/cli/live/frame_wait.h"
 #include "host/cli/live/link_teller.h"
 #include "host/cli/output.h"
 #include "host/cli/own_keys.h"
@@ -48,9 +49,8 @@ class Recording {
   // Until enough came, a signal, the timeout, or a disk that takes no more.
   void run() {
     constexpr std::chrono::milliseconds kLook{100};
-    client::Time heard = client::Time::clock::now();
-    client::Time said = heard;
-    std::uint64_t packets = 0;
+    const client::Time began = client::Time::clock::now();
+    client::Time said = began;
     while (!asked_to_stop() && !enough() && !recorder_.failed()) {
       take(receiver_.next(kLook));
       take_raw();
@@ -61,20 +61,9 @@ class Recording {
         say(change);
       }
       const client::Time now = client::Time::clock::now();
-      const client::Statistics& all = receiver_.statistics();
-      const std::uint64_t heard_of = all.packets() - all.not_signed - all.forged;
-      if (packets != heard_of) {
-        packets = heard_of;
-        heard = now;
-      }
-      if (now - heard > std::chrono::duration<double>(options_.timeout_s)) {
-        silent_ = true;
+      silent_ = frames_stay_away(receiver_, began, options_.timeout_s, now);
+      if (silent_ || raw_stay_away(now)) {
         return;
-      }
-      if (options_.raw && frames() != 0 && exposures() == 0 &&
-          now - began_ > std::chrono::duration<double>(std::max(options_.timeout_s, kAnewS))) {
-        throw Failure(Exit::kFailure,
-                      "no raw pictures came" + raw_absence(receiver_.raw_refusal()));
       }
       if (frames() != 0 && now - said >= std::chrono::seconds(1)) {
         said = now;
@@ -91,6 +80,8 @@ class Recording {
   std::uint64_t exposures() const { return session_.exposures(); }
   std::uint64_t lost_pictures() const { return session_.lost_pictures(); }
   std::uint64_t dropped() const { return session_.dropped(); }
+  // Exposures of which a camera gave nothing: they are recorded as they are.
+  std::uint64_t without_a_camera() const { return without_a_camera_; }
   // Less than was asked for.
   bool short_of() const {
     return silent_ || (options_.frames != 0 && counted() < options_.frames && !asked_to_stop());
@@ -103,6 +94,13 @@ class Recording {
 
  private:
   std::uint64_t counted() const { return options_.raw ? exposures() : frames(); }
+  // Who is denied raw pictures is so for good; another one's end some time.
+  bool raw_stay_away(client::Time now) const {
+    return options_.raw && exposures() == 0 &&
+           (receiver_.raw_refusal() == wire::SubscribeResult::kRawDenied ||
+            (frames() != 0 &&
+             now - began_ > std::chrono::duration<double>(std::max(options_.timeout_s, kAnewS))));
+  }
   bool enough() const {
     if (counted() == 0) {
       return false;
@@ -149,7 +147,15 @@ class Recording {
         counting_since_ = client::Time::clock::now();
       }
       session_.take(*exposure);
+      without_a_camera_ += session_.raw_begun() && lacks_a_camera(*exposure) ? 1U : 0U;
     }
+  }
+
+  // That it should have: the PMD camera may be slower than the edges.
+  static bool lacks_a_camera(const client::RawExposure& exposure) {
+    const unsigned all = exposure.info.pmd_every > 1 ? wire::kRawLeft | wire::kRawRight
+                                                     : std::uint32_t{wire::kRawPictures};
+    return (exposure.info.pictures & all) != all;
   }
 
   // What the sensor says beside frames. What comes before the first frame waits for its session.
@@ -171,6 +177,7 @@ class Recording {
   recording::SessionRecording session_;
   client::Time began_;
   client::Time counting_since_;
+  std::uint64_t without_a_camera_ = 0;
   bool silent_ = false;
 };
 
@@ -187,6 +194,7 @@ void print_json(const RecordOptions& options, const Recording& session,
   if (options.raw) {
     json["raw_exposures"] = session.exposures();
     json["raw_incomplete"] = session.lost_pictures();
+    json["raw_without_a_camera"] = session.without_a_camera();
   }
   say_json(json);
 }
@@ -201,23 +209,29 @@ void judge(const RecordOptions& options, client::Receiver& receiver, const Recor
                   ended.problem->message +
                       (ended.frames == 0 ? std::string("; no frame was kept") : left + index));
   }
-  if (session.frames() == 0) {
+  const wire::SubscribeResult refusal = receiver.raw_refusal();
+  if (options.raw && session.exposures() == 0 &&
+      (session.frames() != 0 || refusal != wire::SubscribeResult::kOk)) {
     throw Failure(Exit::kFailure,
-                  place + ": no frame came" +
-                      (options.sensor.empty() ? ": start stofd with --to, or check the network"
-                                              : silence_text(receiver, options.device)));
+                  place + ": no raw pictures came" +
+                      (asked_to_stop() ? " before it was interrupted" : raw_absence(refusal)) +
+                      "; nothing was kept");
+  }
+  if (session.frames() == 0) {
+    throw Failure(Exit::kFailure, place + ": no frame came" + absence_text(receiver, options));
   }
   if (session.short_of()) {
     throw Failure(Exit::kFailure, place + ": the stream ended after " +
-                                      std::to_string(session.frames()) + " frames, last health " +
-                                      age_text(receiver.link().health_age) +
-                                      " ago: check that stofd still runs");
+                                      std::to_string(session.frames()) + " frames" +
+                                      ended_text(receiver, options));
   }
   if (options.raw) {
     const client::RawStatistics& raw = receiver.raw_statistics();
     if (raw.incomplete + raw.lost + raw.untaken + raw.dropped != 0) {
       throw Failure(Exit::kFailure, "not all raw pictures are in the recording (" + raw_line(raw) +
-                                        "): a longer period, fewer streams or a faster link");
+                                        "): the sensor or the link had no time for them, or a "
+                                        "camera was opened again: a longer period, fewer streams "
+                                        "or a faster link help against the first");
     }
   }
   if (session.dropped() != 0) {
@@ -260,10 +274,15 @@ void record(const RecordOptions& options) {
       mcap::FileSink::open(meant.file, meant.force ? mcap::FileSink::Existing::kReplace
                                                    : mcap::FileSink::Existing::kRefuse));
   auto recorder = value_or_fail(recording::Recorder::start(sink, {.library = meant.program}));
-  const auto drop_empty_file = [&] {
-    recorder->finish();
-    std::error_code none;
-    std::filesystem::remove(meant.file, none);
+  // Ends the file; one that holds nothing of what was asked for goes again.
+  const auto finish = [&] {
+    recording::Recorder::Ended ended = recorder->finish();
+    if ((meant.raw ? ended.exposures : ended.frames) == 0) {
+      std::error_code none;
+      std::filesystem::remove(meant.file, none);
+      ended.frames = 0;
+    }
+    return ended;
   };
   try {
     client::Receiver receiver = open_receiver(meant, raw_request(meant));
@@ -272,24 +291,26 @@ void record(const RecordOptions& options) {
     tell_port(meant, receiver);
     session.run();
     session.finish();
-    const recording::Recorder::Ended ended = recorder->finish();
-    if (session.frames() == 0) {
-      drop_empty_file();
-    } else {
+    const recording::Recorder::Ended ended = finish();
+    if (session.frames() != 0) {
       session.say(summary_line(receiver.statistics()));
+    }
+    if (ended.frames != 0) {
+      if (session.without_a_camera() != 0) {
+        session.say(std::to_string(session.without_a_camera()) +
+                    " exposures lack what a camera did not give: they are recorded without it");
+      }
       session.say(printed("wrote %s: %llu frames, %llu messages, %.1f MB", meant.file.c_str(),
                           static_cast<unsigned long long>(ended.frames),
                           static_cast<unsigned long long>(ended.statistics.message_count),
                           static_cast<double>(ended.bytes) / kMegabyte));
     }
-    if (meant.json) {
+    if (meant.json && ended.frames != 0) {
       print_json(meant, session, ended);
     }
     judge(meant, receiver, session, ended);
   } catch (const Failure&) {
-    if (recorder->finish().frames == 0) {
-      drop_empty_file();
-    }
+    finish();
     throw;
   }
 }

@@ -211,6 +211,11 @@ void replay(const ReplayOptions& options) {
   if (summary.frames == 0) {
     throw Failure(Exit::kBadInput, options.file.string() + ": holds no frames of a sensor");
   }
+  if (summary.frames == summary.incomplete_frames) {
+    throw Failure(Exit::kBadInput, options.file.string() +
+                                       ": none of its frames was received as a whole, and no other "
+                                       "is sent: stof view FILE shows them");
+  }
   auto server = recording::ReplayServer::open(options.bind, options.port);
   if (!server) {
     throw Failure(Exit::kBadInput, server.error());

@@ -34,17 +34,20 @@ void look_at(const client::Frame& frame, CheckFacts& facts) {
 void note_reception(Reception& reception, CheckFacts& facts) {
   const client::Receiver& receiver = reception.receiver();
   facts.all_places_taken = receiver.subscription() == client::Subscription::State::kFull;
-  facts.nobody_listens = facts.nobody_listens && reception.frames() == 0;
   facts.stats.source = reception.place();
   facts.stats.device = reception.device();
   facts.stats.counts = receiver.statistics();
-  facts.stats.silences = reception.link().silences() + (reception.silent() ? 1U : 0U);
+  const client::LinkState link = receiver.link();
+  facts.comes = reception.frames() == 0 || link.silent ? what_comes(link) : Comes::kFrames;
+  facts.silent_since = link.frame_age;
+  // One that goes on is no gap in the stream.
+  const unsigned silences = reception.link().silences();
+  facts.stats.silences = silences - (link.silent && silences != 0 ? 1U : 0U);
   facts.stats.restarts = reception.link().restarts();
   facts.calibration = receiver.calibration();
   if (receiver.health()) {
-    facts.health = HealthState{.source = facts.stats.source,
-                               .report = *receiver.health(),
-                               .age = receiver.link().health_age};
+    facts.health = HealthState{
+        .source = facts.stats.source, .report = *receiver.health(), .age = link.health_age};
   }
   facts.network = network_facts(receiver.fd());
   facts.buffer = receiver.socket_buffer();
@@ -115,24 +118,29 @@ CheckFacts check_sensor(const CheckOptions& options,
     }
     // Health and calibration come once a second.
     const bool told = receiver.health() && receiver.calibration();
-    return now - *first >=
-           std::chrono::duration<double>(options.seconds + (told ? 0 : options.timeout_s));
+    const client::LinkState link = receiver.link();
+    // Whether what is silent has ended takes a moment to tell.
+    const bool undecided = link.silent && *link.frame_age < kSilenceThatLasts;
+    return !undecided && now - *first >= std::chrono::duration<double>(
+                                             options.seconds + (told ? 0 : options.timeout_s));
   });
   note_reception(reception, facts);
   if (facts.clock == wire::ClockState::kRecorded) {
     facts.no_identity = "a recording is played again, which does not say";
-  } else if (auto identity = ask_identity(options, reception.frames() != 0)) {
+  } else if (auto identity = ask_identity(options, facts.comes == Comes::kFrames)) {
     facts.identity = std::move(*identity);
   } else {
     facts.no_identity = identity.error();
   }
-  facts.beacon_heard = !facts.network.loopback && beacon_is_heard(facts);
+  facts.beacon_heard =
+      !facts.network.loopback && facts.comes != Comes::kNothing && beacon_is_heard(facts);
   return facts;
 }
 
 CheckFacts check_file(const CheckOptions& options) {
-  CheckFacts facts{
-      .recorded = true, .sensor = "SENSOR", .stats = stats_of_file(options.sensor, options.json)};
+  CheckFacts facts{.recorded = true,
+                   .sensor = options.sensor,
+                   .stats = stats_of_file(options.sensor, options.json)};
   auto reader = value_or_fail(recording::FrameReader::open(options.sensor));
   while (const std::optional<recording::RecordedFrame> frame = reader.next()) {
     facts.calibration = frame->calibration ? frame->calibration : facts.calibration;
@@ -150,8 +158,8 @@ void add_check(CLI::App& app, CheckOptions& options, const char* version) {
       "check", "What is wrong between a sensor and this computer, and what to do about it");
   show_example(command, "stof check 192.168.1.20",
                "One line each, with what to do: reach, firewall, mtu, buffers, link, clock, "
-               "calibration, health, key, version. A recording tells link, clock, calibration and "
-               "health.\n"
+               "calibration, health, key, version. A recording tells file, link, clock, "
+               "calibration and health.\n"
                "Ends with 0 (nothing has to be mended), 1 (something has, or the output cannot be "
                "written) or 2 (bad input).");
   add_reading_flags(command, options, options.json);

@@ -6,6 +6,7 @@
 #include "firmware/wire/messages/conditions.h"
 #include "firmware/wire/packet.h"
 #include "host/cli/live/link_teller.h"
+#include "host/cli/recording/damage_text.h"
 #include "host/cli/sensor_text.h"
 #include "host/client/value_names.h"
 #include "host/text/printed.h"
@@ -22,10 +23,40 @@ bool has_condition(const CheckFacts& facts, wire::Condition condition) {
          ((facts.health->report.active >> static_cast<unsigned>(condition)) & 1U) != 0;
 }
 
+// What is asked of a sensor is not asked of who plays a recording of it.
+bool is_played(const CheckFacts& facts) { return facts.clock == wire::ClockState::kRecorded; }
+std::string sensor_of(const CheckFacts& facts) {
+  return facts.recorded || is_played(facts) ? "SENSOR" : facts.sensor;
+}
+
+// It sent, and sends no more.
+Check check_ended(const CheckFacts& facts) {
+  Check check{.name = "reach", .verdict = CheckVerdict::kFix};
+  const std::string since = printed("%llu frames came, the last one %s ago; ",
+                                    static_cast<unsigned long long>(facts.stats.figures.frames()),
+                                    age_text(facts.silent_since).c_str());
+  if (facts.comes == Comes::kHealthAlone) {
+    check.found = since + "since then its health alone comes";
+    check.fix = "see health";
+  } else if (is_played(facts)) {
+    check.verdict = CheckVerdict::kNote;
+    check.found = since + "a recording was played, which is over";
+    check.fix = "play it again: stof replay FILE --loop";
+  } else {
+    check.found = since + (facts.nobody_listens ? "it was stopped: nobody listens there any more"
+                                                : "nothing comes any more");
+    check.fix =
+        "start it again, or check its power and cable: stof discover lists the sensors near";
+  }
+  return check;
+}
+
 Check check_reach(const CheckFacts& facts) {
   Check check{.name = "reach"};
-  const bool frames = facts.stats.figures.frames() != 0;
-  if (frames) {
+  if (facts.stats.figures.frames() != 0 && facts.comes != Comes::kFrames) {
+    return check_ended(facts);
+  }
+  if (facts.stats.figures.frames() != 0) {
     check.found = facts.stats.source + " sends" +
                   (facts.identity ? ", serial " + facts.identity->serial + ", version " +
                                         facts.identity->version
@@ -39,6 +70,9 @@ Check check_reach(const CheckFacts& facts) {
   } else if (facts.all_places_taken) {
     check.found = "it has as many subscribers as it takes";
     check.fix = "end another one: stof health of another program's machine says how many";
+  } else if (facts.comes == Comes::kHealthAlone) {
+    check.found = "its health comes, and no frame";
+    check.fix = "see health";
   } else if (facts.identity) {
     check.found = "it answers, and no frame comes";
     check.fix = "stof health " + facts.sensor + " says why, or see firewall";
@@ -55,6 +89,8 @@ Check check_firewall(const CheckFacts& facts) {
     check.verdict = CheckVerdict::kFix;
     check.found = "this machine's own firewall refuses to send there";
     check.fix = "allow UDP out to port 7560: nft add rule inet filter output udp dport 7560 accept";
+  } else if (facts.stats.figures.frames() == 0 && facts.comes == Comes::kHealthAlone) {
+    check.found = "requests pass, and what the sensor sends: its health";
   } else if (facts.stats.figures.frames() == 0 && facts.subscribed) {
     check.verdict = CheckVerdict::kFix;
     check.found = "the sensor took the subscription, and its stream does not arrive";
@@ -63,6 +99,8 @@ Check check_firewall(const CheckFacts& facts) {
     check.verdict = CheckVerdict::kNote;
     check.found = "nothing arrives: it may be a firewall on the way";
     check.fix = "allow UDP port 7560 both ways, and try again";
+  } else if (facts.comes == Comes::kNothing) {
+    check.found = "requests and stream passed, while it sent";
   } else if (!facts.network.loopback && !facts.beacon_heard) {
     check.verdict = CheckVerdict::kNote;
     check.found =
@@ -111,15 +149,31 @@ Check check_buffers(const CheckFacts& facts) {
   return check;
 }
 
-std::string loss_fix(const client::Statistics& counts) {
+std::string loss_fix(const CheckFacts& facts) {
+  const client::Statistics& counts = facts.stats.counts;
+  if (facts.stats.damage.value_or(Damage{}).records != 0) {
+    return "what is damaged in the file counts as lost: see file";
+  }
   if (counts.socket_drops != 0) {
     return "see buffers";
   }
   if (counts.bad_crc + counts.truncated != 0) {
     return "packets are damaged on the way: another cable, another switch port";
   }
-  return "stof config SENSOR set streams.parity=true mends single losses; a cable in place of "
-         "radio, or fewer streams (streams.*=off)";
+  return "stof config " + sensor_of(facts) +
+         " set streams.parity=true mends single losses; a cable in place of radio, or fewer "
+         "streams (streams.*=off)";
+}
+
+// Of a recording: nothing but what is sound in it is looked at.
+Check check_file(const CheckFacts& facts) {
+  Check check{.name = "file", .found = "no record of it is damaged"};
+  if (const Damage damage = facts.stats.damage.value_or(Damage{}); damage.records != 0) {
+    check.verdict = CheckVerdict::kFix;
+    check.found = damage_text(damage.records, damage.bytes);
+    check.fix = "stof recover FILE OUT writes what is sound";
+  }
+  return check;
 }
 
 Check check_link(const CheckFacts& facts) {
@@ -137,7 +191,7 @@ Check check_link(const CheckFacts& facts) {
   if (lost > 0 || facts.stats.silences != 0) {
     check.verdict =
         share > kTolerable || facts.stats.silences != 0 ? CheckVerdict::kFix : CheckVerdict::kNote;
-    check.fix = loss_fix(counts);
+    check.fix = loss_fix(facts);
   }
   if (facts.network.speed_mbit && figures.seconds() > 0) {
     constexpr double kMostShare = 0.7;
@@ -178,7 +232,7 @@ Check check_calibration(const CheckFacts& facts) {
   if (!facts.calibration) {
     check.verdict = CheckVerdict::kFix;
     check.found = "none came";
-    check.fix = "clouds take one: stof calib install FILE " + facts.sensor;
+    check.fix = "clouds take one: stof calib install FILE " + sensor_of(facts);
   } else if (facts.other_calibration) {
     check.verdict = CheckVerdict::kFix;
     check.found = "frames are of another one than the sensor tells";
@@ -190,7 +244,7 @@ Check check_calibration(const CheckFacts& facts) {
   } else if (has_condition(facts, wire::Condition::kCalibrationDropped)) {
     check.verdict = CheckVerdict::kFix;
     check.found = "the installed one could not be used at the start: the factory's holds";
-    check.fix = "stof calib install FILE " + facts.sensor;
+    check.fix = "stof calib install FILE " + sensor_of(facts);
   } else {
     check.found = printed("fingerprint %08x, no drift told", facts.calibration->fingerprint);
   }
@@ -216,7 +270,10 @@ Check check_health(const CheckFacts& facts) {
 
 Check check_key(const CheckFacts& facts) {
   Check check{.name = "key", .found = "the sensor has a key: nobody else changes its settings"};
-  if (has_condition(facts, wire::Condition::kKeysLost)) {
+  if (is_played(facts)) {
+    check.verdict = CheckVerdict::kNote;
+    check.found = "a recording is played, which takes none";
+  } else if (has_condition(facts, wire::Condition::kKeysLost)) {
     check.verdict = CheckVerdict::kFix;
     check.found = "its keys could not be read at its start";
     check.fix = "pair again: stof pair " + facts.sensor;
@@ -248,13 +305,16 @@ Check check_version(const CheckFacts& facts) {
 
 std::vector<Check> judge_checks(const CheckFacts& facts) {
   if (facts.recorded) {
-    return {check_link(facts), check_clock(facts), check_calibration(facts), check_health(facts)};
+    return {check_file(facts), check_link(facts), check_clock(facts), check_calibration(facts),
+            check_health(facts)};
   }
   std::vector<Check> checks{check_reach(facts), check_firewall(facts), check_mtu(facts),
                             check_buffers(facts)};
   if (facts.stats.figures.frames() != 0) {
     checks.insert(checks.end(), {check_link(facts), check_clock(facts), check_calibration(facts),
                                  check_health(facts), check_key(facts), check_version(facts)});
+  } else if (facts.health) {
+    checks.insert(checks.end(), {check_health(facts), check_key(facts), check_version(facts)});
   }
   return checks;
 }

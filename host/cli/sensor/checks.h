@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/wire/messages/calibration.h"
+#include "host/cli/live/frame_wait.h"
 #include "host/cli/sensor/health.h"
 #include "host/cli/sensor/network_facts.h"
 #include "host/cli/sensor/stats.h"
@@ -27,6 +28,8 @@ struct CheckFacts {
   bool all_places_taken = false;
   bool beacon_heard = false;
   StreamStats stats{};
+  Comes comes = Comes::kFrames;                    // at the end
+  std::optional<client::Duration> silent_since{};  // age of the last frame then, where none comes
   std::optional<HealthState> health{};
   std::optional<wire::CalibrationPacket> calibration{};
   bool other_calibration = false;  // frames name another one than that which came

@@ -36,6 +36,24 @@ Way way_to(const client::FoundSensor& sensor) {
   return way;
 }
 
+void refuse_folder(const std::string& called) {
+  std::error_code error;
+  if (std::filesystem::is_directory(called, error)) {
+    throw Failure(Exit::kBadInput, called + ": is a folder: give a sensor, or a recording");
+  }
+}
+
+void refuse_file(const std::string& called) {
+  if (is_recorded(called)) {
+    refuse_folder(called);
+    throw Failure(Exit::kBadInput, called + ": is a recording: this takes a sensor that runs");
+  }
+  // "." and "..": no host is called so.
+  if (!called.empty() && called.find_first_not_of('.') == std::string::npos) {
+    refuse_folder(called);
+  }
+}
+
 Way look_for(const std::string& called) {
   const auto fits = [&](const client::FoundSensor& sensor) {
     return sensor.serial == called || sensor.name == called;
@@ -56,7 +74,16 @@ Way look_for(const std::string& called) {
                                        " sensors have that name: name one by its serial number, " +
                                        found[0].serial + " or " + found[1].serial);
   }
+  // The system takes a number for an address: 1 for 0.0.0.1.
+  const bool is_number = called.find_first_not_of("0123456789") == std::string::npos;
+  if (found.empty() && is_number) {
+    throw Failure(Exit::kBadInput,
+                  called +
+                      ": no sensor near has that serial number, as it is written on it, or name: "
+                      "stof discover lists the sensors");
+  }
   if (found.empty() && !client::resolve_sensor(called)) {
+    refuse_folder(called);
     throw Failure(Exit::kBadInput,
                   called +
                       ": does not exist: no file, no sensor near and no host has that name: "
@@ -82,6 +109,7 @@ bool is_recorded(const std::string& sensor) {
 }
 
 std::string sensor_address(const std::string& called) {
+  refuse_file(called);
   if (is_address(called)) {
     return called;
   }
@@ -97,6 +125,7 @@ std::string sensor_address(const std::string& called) {
 }
 
 std::unique_ptr<client::ControlTransport> open_sensor(const std::string& called) {
+  refuse_file(called);
   if (is_address(called)) {
     return value_or_fail(client::open_udp_transport(called));
   }

@@ -73,19 +73,22 @@ void receive_health(const HealthOptions& options) {
                                         say(line);
                                       }
                                     }});
-  reception.run([&] {
-    const client::Receiver& receiver = reception.receiver();
-    const std::optional<wire::HealthReport>& health = receiver.health();
-    if (health && told != health->uptime_ms) {
-      told = health->uptime_ms;
-      print(options,
-            {.source = reception.place(), .report = *health, .age = receiver.link().health_age});
-    }
-    const client::Time now = client::Time::clock::now();
-    const std::chrono::duration<double> most(options.seconds > 0 ? options.seconds
-                                                                 : options.timeout_s);
-    return (options.seconds <= 0 && told) || now - began >= most;
-  });
+  reception.run(
+      [&] {
+        const client::Receiver& receiver = reception.receiver();
+        const std::optional<wire::HealthReport>& health = receiver.health();
+        if (health && told != health->uptime_ms) {
+          told = health->uptime_ms;
+          print(
+              options,
+              {.source = reception.place(), .report = *health, .age = receiver.link().health_age});
+        }
+        const client::Time now = client::Time::clock::now();
+        const std::chrono::duration<double> most(options.seconds > 0 ? options.seconds
+                                                                     : options.timeout_s);
+        return (options.seconds <= 0 && told) || now - began >= most;
+      },
+      Reception::Awaited::kAnything);
   if (!told || reception.silent()) {
     reception.fail();
   }

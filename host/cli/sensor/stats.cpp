@@ -8,6 +8,7 @@
 #include "host/cli/json_output.h"
 #include "host/cli/live/reception.h"
 #include "host/cli/output.h"
+#include "host/cli/recording/damage_text.h"
 #include "host/cli/recording/reading_progress.h"
 #include "host/cli/sensor/find_sensor.h"
 #include "host/cli/view/status_line.h"
@@ -24,6 +25,13 @@ double arrival_s(const client::Frame& frame) {
 std::uint64_t frames_between(std::uint32_t before, std::uint32_t after) {
   const std::uint32_t step = after - before;  // wraps as the numbers do
   return step > 0 && step < (1U << 31) ? step - 1 : 0;
+}
+
+// ", 2 records in it are damaged, ..."; empty where nothing is.
+std::string damage_behind(const StreamStats& stats) {
+  return stats.damage && stats.damage->records != 0
+             ? ", " + damage_text(stats.damage->records, stats.damage->bytes)
+             : "";
 }
 
 void print(const StatsOptions& options, const StreamStats& stats) {
@@ -76,7 +84,13 @@ void stats(const StatsOptions& options) {
     receive_stats(options);
     return;
   }
-  print(options, stats_of_file(options.sensor, options.json));
+  const StreamStats stats = stats_of_file(options.sensor, options.json);
+  print(options, stats);
+  if (stats.damage->records != 0) {
+    throw Failure(Exit::kFailure, options.sensor + ": " +
+                                      damage_text(stats.damage->records, stats.damage->bytes) +
+                                      ": stof recover FILE OUT writes what is sound");
+  }
 }
 
 }  // namespace
@@ -102,8 +116,10 @@ StreamStats stats_of_file(const std::string& file, bool json) {
     number = frame->stamp.number;
     progress.show(reader.position(), reader.size());
   }
+  stats.damage = Damage{.records = reader.damaged(), .bytes = reader.damaged_bytes()};
   if (stats.figures.frames() == 0) {
-    throw Failure(Exit::kFailure, file + ": holds no frame: stof info says what it holds");
+    throw Failure(Exit::kFailure, file + ": holds no frame" + damage_behind(stats) +
+                                      ": stof info says what it holds");
   }
   stats.device = origin->device_id;
   return stats;
@@ -120,6 +136,10 @@ std::string stats_text(const StreamStats& stats) {
                          figures.seconds()) +
                      (figures.rate_hz() ? printed(", %.2f a second", *figures.rate_hz()) : ""));
   line("loss", summary_line(stats.counts));
+  if (stats.damage && stats.damage->records != 0) {
+    line("file", damage_text(stats.damage->records, stats.damage->bytes) +
+                     ": what lies in them counts as lost");
+  }
   line("interval, ms", spread_text(figures.interval_ms()));
   line("latency, ms", spread_text(figures.latency_ms()) +
                           (figures.latency_ms() ? "" : " (only where one clock stamps both ends)"));
@@ -153,15 +173,17 @@ nlohmann::ordered_json stats_json(const StreamStats& stats) {
           {"frames", counts["frames"]},
           {"packets", counts["packets"]},
           {"silences", stats.silences},
-          {"restarts", stats.restarts}};
+          {"restarts", stats.restarts},
+          {"damaged", stats.damage ? Json(stats.damage->records) : Json(nullptr)},
+          {"damaged_bytes", stats.damage ? Json(stats.damage->bytes) : Json(nullptr)}};
 }
 
 void add_stats(CLI::App& app, StatsOptions& options) {
   CLI::App& command = *app.add_subcommand(
       "stats", "Rate, jitter, latency and loss by cause, of a sensor or a recording");
   show_example(command, "stof stats 192.168.1.20 --seconds 10",
-               "Ends with 0 (measured), 1 (no frame came, the sensor fell silent, or the output "
-               "cannot be written) or 2 (bad input).");
+               "Ends with 0 (measured), 1 (no frame came, the sensor fell silent, records of the "
+               "recording are damaged, or the output cannot be written) or 2 (bad input).");
   add_reading_flags(command, options, options.json);
   command.add_option("--seconds", options.seconds, "How long, from the first frame")
       ->check(CLI::Range(0.1, 86400.0))

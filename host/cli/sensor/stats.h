@@ -16,6 +16,12 @@ struct StatsOptions : ReceiveOptions {
   bool json = false;
 };
 
+// Of a file: what could not be read.
+struct Damage {
+  std::uint64_t records = 0;
+  std::uint64_t bytes = 0;
+};
+
 // What a stream came to, of a sensor or of a recording.
 struct StreamStats {
   std::string source{};  // the sensor's place, or the file
@@ -24,6 +30,7 @@ struct StreamStats {
   client::Statistics counts{};
   unsigned silences = 0;
   unsigned restarts = 0;
+  std::optional<Damage> damage{};  // none: it is of a sensor
 };
 
 // Of the whole of it. json: of a command that prints JSON, without progress. Throws Failure where

@@ -245,7 +245,7 @@ void support_report(const SupportReportOptions& options) {
     say(printed(
         "wrote %s: %zu files, %.1f kB; without keys, with %s", options.file.c_str(), files.size(),
         static_cast<double>(bytes.size()) / 1e3,
-        options.no_pictures || recorded ? "no picture" : "pictures of what the sensor sees"));
+        files.contains("frame/depth.png") ? "pictures of what the sensor sees" : "no picture"));
   }
   if (!heard) {
     throw Failure(Exit::kFailure, options.sensor + ": no frame came; " + options.file.string() +

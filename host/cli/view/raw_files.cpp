@@ -91,7 +91,7 @@ std::string raw_line(const client::RawStatistics& statistics) {
          " not taken; " + std::to_string(statistics.dropped) + " dropped by the sensor";
 }
 
-std::string raw_absence(wire::SubscribeResult refusal) {
+std::string raw_absence(wire::SubscribeResult refusal, const std::string& to_do) {
   switch (refusal) {
     case wire::SubscribeResult::kRawDenied:
       return ": the sensor gives them to --signed alone, or, where limits.streams is fixed, to an "
@@ -99,8 +99,8 @@ std::string raw_absence(wire::SubscribeResult refusal) {
     case wire::SubscribeResult::kRawTaken:
       return ": another subscriber has them: end that one";
     default:
-      return ": the link is too slow (ask with a larger --raw-every), a camera is missing, or the "
-             "sensor is older than raw pictures";
+      return ": the link is too slow" + (to_do.empty() ? "" : " (" + to_do + ")") +
+             ", a camera is missing, or the sensor is older than raw pictures";
   }
 }
 

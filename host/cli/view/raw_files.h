@@ -22,7 +22,7 @@ dataset::Image<std::uint16_t> below_each_other(const client::RawExposure& exposu
 std::string raw_exposure_line(const client::RawExposure& exposure);
 // The counts, by cause.
 std::string raw_line(const client::RawStatistics& statistics);
-// Why none come, and what to do; begins with ": ".
-std::string raw_absence(wire::SubscribeResult refusal);
+// Why none come; begins with ": ". to_do: against a link that is too slow, where the command can.
+std::string raw_absence(wire::SubscribeResult refusal, const std::string& to_do = {});
 
 }  // namespace stof::host

@@ -6,6 +6,7 @@
 
 #include "dataset/files/file.h"
 #include "host/cli/failure.h"
+#include "host/cli/live/frame_wait.h"
 #include "host/cli/live/link_teller.h"
 #include "host/cli/live/robot_state.h"
 #include "host/cli/output.h"
@@ -27,9 +28,8 @@ class View {
 
   // Until enough frames came, a signal, or the timeout.
   void run() {
-    client::Time heard = client::Time::clock::now();
-    std::uint64_t packets = 0;
-    raw_heard_ = heard;
+    const client::Time began = client::Time::clock::now();
+    raw_heard_ = began;
     while (!asked_to_stop() && !enough()) {
       take(receiver_.next(kLook));
       take_raw();
@@ -40,16 +40,8 @@ class View {
         say(change);
       }
       const client::Time now = client::Time::clock::now();
-      // What is not the sensor's does not count: whoever sends it must not keep us waiting.
-      const client::Statistics& statistics = receiver_.statistics();
-      const std::uint64_t heard_of =
-          statistics.packets() - statistics.not_signed - statistics.forged;
-      if (packets != heard_of) {
-        packets = heard_of;
-        heard = now;
-      }
       page_.look(options_, receiver_, now);
-      if (now - heard > std::chrono::duration<double>(options_.timeout_s) && !page_.visited()) {
+      if (frames_stay_away(receiver_, began, options_.timeout_s, now) && !page_.visited()) {
         silent_ = true;
         return;
       }
@@ -66,12 +58,7 @@ class View {
   void finish() {
     const std::string where = place_of(receiver_);
     if (frames_ == 0) {
-      const bool heard = receiver_.statistics().packets() != 0;
-      throw Failure(Exit::kFailure,
-                    where + ": " + (heard ? "packets came, but no frame" : "no packet came") +
-                        (options_.sensor.empty() ? ": start stofd with --to, or check the network"
-                                                 : silence_text(receiver_, options_.device)) +
-                        (heard ? "; " + summary_line(receiver_.statistics()) : ""));
+      throw Failure(Exit::kFailure, where + ": " + no_frame_text(receiver_, options_));
     }
     if (status_line_.pending()) {
       say(line(client::Time::clock::now()));
@@ -94,18 +81,13 @@ class View {
       say(advice);
     }
     if (options_.raw.pictures != 0 && (raw_ == 0 || raw_ < options_.raw_count)) {
-      throw Failure(Exit::kFailure, where + ": " + std::to_string(raw_) +
-                                        " exposures came with all raw pictures" +
-                                        raw_absence(receiver_.raw_refusal()));
+      throw Failure(Exit::kFailure,
+                    where + ": " + std::to_string(raw_) + " exposures came with all raw pictures" +
+                        raw_absence(receiver_.raw_refusal(), "ask with a larger --raw-every"));
     }
     if (frames_ < options_.frames || silent_) {
-      const bool no_key = receiver_.subscription() == client::Subscription::State::kNoKey ||
-                          receiver_.other_tags().has_value();
-      throw Failure(Exit::kFailure,
-                    where + ": the stream ended after " + std::to_string(frames_) + " frames" +
-                        (no_key ? silence_text(receiver_, options_.device)
-                                : ", last health " + age_text(receiver_.link().health_age) +
-                                      " ago: check that stofd still runs"));
+      throw Failure(Exit::kFailure, where + ": the stream ended after " + std::to_string(frames_) +
+                                        " frames" + ended_text(receiver_, options_));
     }
   }
 

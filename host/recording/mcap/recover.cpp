@@ -198,10 +198,15 @@ std::expected<Recovered, Problem> recover(const std::filesystem::path& file,
   if (!sink) {
     return std::unexpected(sink.error());
   }
+  // No part of a copy is left: all of it is in `file` still.
+  const auto drop = [&](const Problem& problem) {
+    std::filesystem::remove(out, none);
+    return std::unexpected(problem);
+  };
   auto writer = Writer::begin(
       *sink, {.profile = reader->header().profile, .library = reader->header().library});
   if (!writer) {
-    return std::unexpected(writer.error());
+    return drop(writer.error());
   }
   Recovered result;
   Copy copy(*reader, *writer);
@@ -216,16 +221,14 @@ std::expected<Recovered, Problem> recover(const std::filesystem::path& file,
       break;
     }
     if (auto done = copy.take(**item); !done) {
-      writer->rescue();
-      return std::unexpected(done.error());
+      return drop(done.error());
     }
   }
   result.damaged_bytes = reader->damaged_bytes();
   result.cut_bytes =
       reader->end() == StreamReader::End::kWhole ? 0 : source->size() - reader->whole_until();
   if (auto done = writer->finish(); !done) {
-    writer->rescue();
-    return std::unexpected(done.error());
+    return drop(done.error());
   }
   result.messages = writer->index().statistics.message_count;
   return result;

@@ -341,15 +341,44 @@ TEST_F(RawSenderTest, ACameraThatIsToBeOpenedAgainGetsItsSlotsBack) {
   sender_.ask(kAll);
   offer();
   send(5ms);
-  sender_.give_back();
-  EXPECT_EQ(slots_.lent, 0);
+  sender_.give_back(false, true);
+  EXPECT_EQ(slots_.lent, 0) << "the pictures of an exposure go together";
   EXPECT_EQ(sender_.dropped(), 1U);
-  sender_.give_back();
+  sender_.give_back(true, true);
   EXPECT_EQ(sender_.dropped(), 1U) << "there was nothing";
   link_.forget();
   offer();
   send(200ms);
   EXPECT_EQ(link_.packets.size(), whole());
+}
+
+// A camera that is gone takes nothing of the other one's pictures with it.
+TEST_F(RawSenderTest, PicturesOfTheOtherCameraGoOn) {
+  sender_.ask(kAll);
+  for (const bool pair : {true, false}) {
+    link_.forget();
+    offer(pair, !pair);
+    send(1ms);
+    sender_.give_back(!pair, pair);
+    send(200ms);
+    ASSERT_GT(link_.packets.size(), 1U);
+    EXPECT_EQ(link_.packets.size(), whole());
+    EXPECT_EQ(link_.info().pictures, pair ? wire::kRawLeft | wire::kRawRight : wire::kRawPmd);
+    EXPECT_EQ(slots_.lent, 0);
+  }
+  EXPECT_EQ(sender_.dropped(), 0U);
+}
+
+TEST_F(RawSenderTest, WhatIsGivenUpBeforeItsFirstPacketCountsOnceAndHidesNothing) {
+  sender_.ask(kAll);
+  offer(true, true, wire::kRawBegunAnew);
+  sender_.give_back(true, true);
+  EXPECT_EQ(sender_.dropped(), 1U);
+  offer();
+  send(200ms);
+  EXPECT_EQ(link_.info().number, 1U);
+  EXPECT_EQ(link_.info().dropped, 1U);
+  EXPECT_EQ(link_.info().state, wire::kRawBegunAnew);
 }
 
 TEST_F(RawSenderTest, AnotherRequestBeginsAnewAndNoneEndsIt) {

@@ -145,7 +145,9 @@ TEST(Checks, SayWhyNothingComes) {
   const auto without_frames = [](const std::function<void(CheckFacts&)>& make) {
     CheckFacts facts = good();
     facts.stats = {};
+    facts.comes = Comes::kNothing;
     facts.subscribed = false;
+    facts.health.reset();
     make(facts);
     return facts;
   };
@@ -166,6 +168,65 @@ TEST(Checks, SayWhyNothingComes) {
   EXPECT_EQ(judge_checks(without_frames([](CheckFacts& /*facts*/) {})).size(), 4U);
 }
 
+// Health passes the firewall: it is not to blame, and it says what is.
+TEST(Checks, LetHealthSayWhyNoFrameComes) {
+  for (const bool before : {false, true}) {
+    CheckFacts facts = good();
+    if (!before) {
+      facts.stats = {};
+    }
+    facts.comes = Comes::kHealthAlone;
+    facts.silent_since = 4s;
+    facts.health->report.severity = wire::Severity::kCritical;
+    set_condition(facts, wire::Condition::kTriggerLost);
+    EXPECT_EQ(check_of(facts, "reach").verdict, CheckVerdict::kFix);
+    EXPECT_EQ(check_of(facts, "reach").fix, "see health");
+    EXPECT_EQ(check_of(facts, "firewall").verdict, CheckVerdict::kOk);
+    EXPECT_EQ(check_of(facts, "health").verdict, CheckVerdict::kFix);
+    EXPECT_NE(check_of(facts, "health").found.find("trigger_lost"), std::string::npos);
+  }
+}
+
+TEST(Checks, SayThatASensorStopped) {
+  CheckFacts facts = good();
+  facts.comes = Comes::kNothing;
+  facts.silent_since = 4s;
+  facts.beacon_heard = false;
+  const Check reach = check_of(facts, "reach");
+  EXPECT_EQ(reach.verdict, CheckVerdict::kFix);
+  EXPECT_EQ(reach.found, "50 frames came, the last one 4.0 s ago; nothing comes any more");
+  EXPECT_EQ(check_of(facts, "firewall").verdict, CheckVerdict::kOk);
+  EXPECT_EQ(check_of(facts, "link").verdict, CheckVerdict::kOk);
+  facts.nobody_listens = true;
+  EXPECT_NE(check_of(facts, "reach").found.find("it was stopped"), std::string::npos);
+  facts.clock = wire::ClockState::kRecorded;
+  EXPECT_EQ(check_of(facts, "reach").verdict, CheckVerdict::kNote);
+  EXPECT_NE(check_of(facts, "reach").found.find("is over"), std::string::npos);
+}
+
+TEST(Checks, NameWhatCanBeAsked) {
+  CheckFacts facts = good();
+  facts.stats.counts.frames_lost = 1;
+  EXPECT_NE(check_of(facts, "link").fix.find("stof config front set"), std::string::npos);
+  facts.clock = wire::ClockState::kRecorded;  // who plays a recording takes neither
+  EXPECT_NE(check_of(facts, "link").fix.find("stof config SENSOR set"), std::string::npos);
+  set_condition(facts, wire::Condition::kUnpaired);
+  EXPECT_EQ(check_of(facts, "key").verdict, CheckVerdict::kNote);
+  EXPECT_EQ(check_of(facts, "key").fix, "");
+}
+
+TEST(Checks, SayThatAFileIsDamaged) {
+  CheckFacts facts = good();
+  facts.recorded = true;
+  facts.stats.counts.frames_lost = 5;
+  facts.stats.damage = Damage{};
+  EXPECT_EQ(check_of(facts, "file").verdict, CheckVerdict::kOk);
+  facts.stats.damage = Damage{.records = 2, .bytes = 4096};
+  EXPECT_EQ(check_of(facts, "file").verdict, CheckVerdict::kFix);
+  EXPECT_NE(check_of(facts, "file").found.find("2 records"), std::string::npos);
+  EXPECT_EQ(check_of(facts, "link").fix.find("parity"), std::string::npos);
+}
+
 TEST(Checks, OfARecordingAreThoseThatItTells) {
   CheckFacts facts = good();
   facts.recorded = true;
@@ -173,7 +234,7 @@ TEST(Checks, OfARecordingAreThoseThatItTells) {
   for (const Check& check : judge_checks(facts)) {
     names.push_back(check.name);
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"link", "clock", "calibration", "health"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"file", "link", "clock", "calibration", "health"}));
 }
 
 TEST(Checks, OfThisMachineItselfWantNoBeacon) {

@@ -509,6 +509,8 @@ class Pair(unittest.TestCase):
         self.refuse(2, "has no key 00000007", "unpair", "127.0.0.1:1", "--key", "00000007")
         self.refuse(2, "--id: takes the 8 hexadecimal digits", "unpair", "127.0.0.1:1", "--id", "7")
         self.refuse(2, "excludes", "unpair", "127.0.0.1:1", "--list", "--forget")
+        self.refuse(2, "stof pair 127.0.0.1:1", "unpair", "127.0.0.1:1", "--list")
+        self.ask("pair", "--into", self.keys)
         self.refuse(1, "no answer", "unpair", "127.0.0.1:1", "--list", timeout_s=0.05)
         self.refuse(1, "no answer", "pair", "127.0.0.1:1", timeout_s=0.05)
         ended = subprocess.run([*STOFD, "--label", self.folder / "none"], capture_output=True, text=True, timeout=60)

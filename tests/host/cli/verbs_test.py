@@ -66,7 +66,7 @@ VERBS = {
     "address": Verb("{s} 192.168.7.2/24 --timeout 0.05 --keys keys", lost=1),
     "config": Verb("{s} get --timeout 0.05", lost=1, live=("{s} get --json --timeout 10", "{s} diff --json --timeout 10", "{s} schema --timeout 10")),
     "pair": Verb("{s} --timeout 0.05 --keys keys --digits 123456", lost=1),
-    "unpair": Verb("{s} --timeout 0.05 --keys keys --list", lost=1),
+    "unpair": Verb("{s} --timeout 0.05 --keys mine --list", lost=1),
     "update": Verb("{s} absent.update --timeout 0.05 --keys keys"),
     "proxy": Verb("--listen 0 --to {s}"),
     "completion": Verb("bash"),
@@ -97,6 +97,8 @@ class Program(unittest.TestCase):
         environment = unittest.mock.patch.dict(os.environ, {"XDG_CONFIG_HOME": scratch.name})
         environment.start()
         cls.addClassCleanup(environment.stop)
+        made = cls.stof("pair", "--into", "theirs", "--keys", "mine")
+        assert made.returncode == 0, made.stderr
 
     @classmethod
     def stof(cls, *words, **more):
@@ -200,6 +202,32 @@ class Words(Program):
         self.assertEqual((again["key"], again["into"]), (None, "sensor.keys"))
         gone = self.stof("unpair", "--forget", "--device", "1", "--keys", "user.keys", "--json")
         self.assertEqual((gone.returncode, json.loads(gone.stdout)), (0, {"forgotten": 1, "device_id": 1, "file": "user.keys"}))
+
+    def test_a_list_of_keys_takes_a_key_of_ones_own(self):
+        self.refused(self.stof("unpair", "127.0.0.1:9", "--list", "--keys", "absent"), 2, "stof pair 127.0.0.1:9")
+
+    def test_what_is_not_there_is_not_told(self):
+        """A report without a frame has no picture, a recording without a message no time."""
+        ended = self.stof("report", "127.0.0.1:9", "nothing.tar", "--timeout", "0.4")
+        self.assertEqual(ended.returncode, 1, ended.stderr)
+        self.assertIn("without keys, with no picture", ended.stdout)
+        magic = b"\x89MCAP0\r\n"
+        records = [(1, struct.pack("<I4sI", 4, b"ros2", 0)), (15, bytes(4)), (2, bytes(20))]
+        body = b"".join(struct.pack("<BQ", kind, len(data)) + data for kind, data in records)
+        (self.folder / "empty.mcap").write_bytes(magic + body + magic)
+        told = self.stof("info", "empty.mcap").stdout
+        self.assertIn("no messages", told)
+        self.assertNotIn("1970", told)
+
+    def test_what_is_no_sensor_is_told_what_it_is(self):
+        (self.folder / "hall.mcap").write_bytes(b"")
+        (self.folder / "hall").mkdir(exist_ok=True)
+        for words, what in ((["info", "."], "is a folder"), (["view", ".."], "is a folder"), (["record", "hall.mcap", "new.mcap"], "is a recording"),
+                            (["config", "hall.mcap", "get"], "is a recording"), (["pair", "hall.mcap"], "is a recording"),
+                            (["config", "./hall", "get"], "is a folder")):
+            with self.subTest(words):
+                self.refused(self.stof(*words), 2, what)
+        self.assertFalse((self.folder / "new.mcap").exists())
 
     def test_an_unknown_flag_is_refused_in_one_line_also_with_help_behind_it(self):
         for name, text in self.helps.items():
@@ -399,6 +427,89 @@ class Sensors(Program):
         self.assertEqual([file for name in ("full", "full_live") for file in (self.folder / name).glob("*")], [])
         self.refused(self.stof("recover", self.recording, "full_copy.mcap", preexec_fn=no_room), 2)
         self.refused(self.stof("report", self.place, "/dev/full", "--force"), 1, "/dev/full")
+
+    def test_a_reader_that_goes_away_is_output_that_cannot_be_written(self):
+        for words in (["stats", self.place, "--json", "--seconds", "0.5"], ["record", self.place, "unread.mcap", *LONG.split()]):
+            with self.subTest(words[0]):
+                reading, writing = os.pipe()
+                os.close(reading)
+                ended = self.stof(*words, stdout=writing, restore_signals=True)
+                os.close(writing)
+                self.refused(ended, 1, "its output cannot be written")
+        self.assertFalse((self.folder / "unread.mcap").exists(), "nothing was recorded")
+
+    def test_a_number_is_no_address(self):
+        if not OWN_NETWORK:
+            self.skipTest("no network of our own here")
+        self.refused(self.stof("health", "2"), 2, "no sensor near has that serial number")
+
+    def test_json_is_of_what_is_there(self):
+        nobody = self.stof("record", "127.0.0.1:9", "nobody.mcap", "--json", "--timeout", "0.4")
+        self.refused(nobody, 1, "no frame came")
+        self.assertEqual(nobody.stdout, "")
+
+        def no_room():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
+
+        full = self.stof("record", self.place, "little.mcap", "--frames", 50, "--json", *LONG.split(), preexec_fn=no_room)
+        self.refused(full, 1, "no frame was kept")
+        self.assertEqual(full.stdout, "")
+        full = self.stof("record", self.place, "little.mcap", "--frames", 50, *LONG.split(), preexec_fn=no_room)
+        self.assertNotIn("wrote little.mcap", full.stdout)
+        self.refused(self.stof("recover", self.recording, "little.mcap", preexec_fn=no_room), 2)
+        self.assertFalse((self.folder / "little.mcap").exists(), "all of it is in the recording still")
+
+    def test_an_export_that_ends_early_tells_what_is_there(self):
+        for how, names in (("png16", "*.png"), ("tum", "depth/*.png")):
+            with self.subTest(how):
+                folder = self.folder / f"early_{how}"
+                self.assertEqual(self.stof("export", self.recording, "--to", folder, "--as", how).returncode, 0)
+                fifth = sorted(folder.glob(names))[4]
+                for file in folder.rglob("*.*"):
+                    file.unlink()
+                os.mkfifo(fifth)  # is not written to
+                ended = self.stof("export", self.recording, "--to", folder, "--as", how, "--json")
+                self.refused(ended, 1, fifth.name)
+                self.assertEqual(json.loads(ended.stdout)["exported"], 4)
+                if how == "tum":
+                    self.assertEqual(len((folder / "depth.txt").read_text().splitlines()), 5)
+        (self.folder / "early_csv").mkdir()
+        os.mkfifo(self.folder / "early_csv/frames.csv")
+        self.assertEqual(self.stof("export", self.recording, "--to", "early_csv", "--as", "csv", "--json").stdout, "")
+        self.refused(self.stof("export", "127.0.0.1:9", "--to", "early/below", "--as", "csv", "--timeout", "0.4"), 1)
+        self.assertFalse((self.folder / "early").exists())
+
+    def test_health_without_frames_ends_what_waits_for_frames(self):
+        socket_of_faults = str(self.folder / "faults")
+        _, place = self.start_sensor("triggerless", "--fault-socket", socket_of_faults)
+        self.assertEqual(self.stof("stats", place, "--seconds", "0.3", *LONG.split()).returncode, 0)
+        self.assertEqual(self.stof("fault", socket_of_faults, "trigger:vanish").returncode, 0)
+        end = time.monotonic() + ENOUGH_S
+        while "trigger_lost" not in self.stof("health", place, *LONG.split()).stdout and time.monotonic() < end:
+            pass
+        for words in (["stats"], ["info"], ["view", "--frames", 3], ["record", "none.mcap", "--frames", 3], ["export", "--to", "none", "--as", "ply", "--frames", 2]):
+            with self.subTest(words[0]):
+                self.refused(self.stof(words[0], place, *words[1:], "--timeout", "3"), 1, "its health comes, and no frame", "trigger_lost")
+        ended = self.stof("check", place, "--json", "--timeout", "3")
+        checks = {one["name"]: one for one in json.loads(ended.stdout)["checks"]}
+        self.assertEqual(ended.returncode, 1)
+        self.assertEqual((checks["reach"]["fix"], checks["firewall"]["verdict"], checks["health"]["verdict"]), ("see health", "ok", "fix"))
+        self.assertIn("trigger_lost", checks["health"]["found"])
+
+    def test_a_check_says_that_the_sensor_stopped(self):
+        sensor, place = self.start_sensor("stopping")
+        check = subprocess.Popen([*COMMAND, "check", place, "--seconds", "6", "--timeout", "10", "--json"], cwd=self.folder, stdout=subprocess.PIPE,
+                                 stderr=subprocess.PIPE, text=True)
+        time.sleep(3)
+        sensor.kill()
+        sensor.wait()
+        said, errors = check.communicate(timeout=240)
+        checks = {one["name"]: one for one in json.loads(said)["checks"]}
+        self.assertEqual(check.returncode, 1, errors)
+        self.assertIn("the last one", checks["reach"]["found"])
+        self.assertIn("any more", checks["reach"]["found"])
+        self.assertEqual((checks["firewall"]["verdict"], checks["firewall"]["fix"]), ("ok", None))
+        self.assertNotIn("1 times silent", checks["link"]["found"])
 
     def test_a_sensor_that_falls_silent_and_starts_again_is_told_at_once(self):
         first, place = self.start_sensor("leaving", "--port", str(lasting_port()))

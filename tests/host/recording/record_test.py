@@ -270,6 +270,13 @@ class Record(unittest.TestCase):
             ended = self.stof("export", file, "--to", "rest", "--as", "csv", "--json")
             exported = json.loads(ended.stdout)
             self.assertEqual((ended.returncode, exported["frames"], exported["damaged"]), (1, info["frames"], 1))
+            ended = self.stof("stats", file, "--json")
+            self.assertEqual((ended.returncode, json.loads(ended.stdout)["damaged"]), (1, 1), ended.stderr)
+            self.assertIn("1 records in it are damaged", ended.stderr)
+            ended = self.stof("check", file)
+            self.assertEqual(ended.returncode, 1)
+            self.assertIn("1 records in it are damaged", ended.stdout)
+            self.assertNotIn("parity", ended.stdout)
             self.refuse(2, "give OUT", "recover", file)
             self.assertEqual(file.read_bytes(), before)
             out = self.folder / "sound.mcap"

@@ -80,6 +80,7 @@ class Replay(unittest.TestCase):
         again = self.replay()
         self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
         self.assertIn(f"{FRAMES} frames equal the recorded depth, 0 differ", again.stdout + again.stderr)
+        self.assertIn("match not measured, convert not measured, fuse not measured", again.stdout + again.stderr)
 
     def test_other_settings_are_found_to_differ(self):
         other = self.replay("--disparities", "4")
@@ -130,6 +131,61 @@ class Replay(unittest.TestCase):
                 ended = subprocess.run([*COMMAND, *map(str, arguments)], stdout=full, stderr=subprocess.PIPE, text=True, timeout=LONG_S, check=False)
             self.assertEqual(ended.returncode, 1, arguments)
             self.assertIn("cannot be written", ended.stderr)
+
+    def sensor(self, name, *more):
+        port = self.folder / f"{name}.port"
+        sensor = subprocess.Popen([*STOFD, "--port", "0", "--port-file", str(port), "--period-ms", "400", "--size", "64x48", "--pmd", "44x36", *more],
+                                  cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(sensor.wait)
+        self.addCleanup(sensor.kill)
+        return "127.0.0.1:" + wait_for_port(port, sensor)
+
+    def test_pictures_of_one_camera_are_kept_where_the_other_is_gone(self):
+        faults = str(self.folder / "faults")
+        place = self.sensor("one_eyed", "--fault-socket", faults)
+        file = self.folder / "one_eyed.mcap"
+        recording = subprocess.Popen([*COMMAND, "record", place, str(file), "--raw", "--frames", "24", "--timeout", "60"], cwd=self.folder,
+                                     stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        said = []
+        for line in recording.stdout:
+            said.append(line)
+            if " 0 with raw pictures" not in line and "with raw pictures" in line:
+                break
+        self.assertEqual(self.stof("fault", faults, "pmd:vanish:8").returncode, 0)
+        rest, errors = recording.communicate(timeout=LONG_S)
+        said = "".join(said) + rest
+        self.assertRegex(said, r"\d+ exposures lack what a camera did not give", errors)
+        counts = {one["topic"]: one["messages"] for one in json.loads(self.stof("info", file, "--json").stdout)["channels"]}
+        self.assertGreaterEqual(counts["/stof/raw/left"] - counts["/stof/raw/pmd"], 4, counts)
+
+    def test_raw_pictures_that_are_denied_end_at_once_and_leave_no_file(self):
+        self.assertEqual(self.stof("pair", "--into", "sensor.keys", "--keys", "user.keys").returncode, 0)
+        place = self.sensor("paired", "--keys", "sensor.keys")
+        file = self.folder / "denied.mcap"
+        for _ in range(2):  # nothing is in the way of another try
+            ended = self.stof("record", place, file, "--raw", "--frames", 3, "--timeout", 60)
+            self.assertEqual(ended.returncode, 1, ended.stdout)
+            self.assertIn("--signed", ended.stderr)
+            self.assertNotIn("--raw-every", ended.stderr)
+            self.assertFalse(file.exists())
+
+    def test_frames_that_are_not_whole_are_no_replay(self):
+        place = self.sensor("lossy")
+        port = self.folder / "proxy.port"
+        proxy = subprocess.Popen([*COMMAND, "proxy", "--listen", "0", "--to", place, "--loss", "50", "--only", "down", "--port-file", str(port)],
+                                 cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(proxy.wait)
+        self.addCleanup(proxy.kill)
+        through = "127.0.0.1:" + wait_for_port(port, proxy)
+        file = self.folder / "torn.mcap"
+        for _ in range(30):
+            self.stof("record", through, file, "--frames", 1, "--force", "--timeout", 60)
+            info = json.loads(self.stof("info", file, "--json").stdout)
+            if info["frames"] == info["incomplete_frames"]:
+                break
+        ended = self.stof("replay", file, "--port", 0, "--timeout", 1)
+        self.assertEqual(ended.returncode, 2, ended.stdout)
+        self.assertIn("none of its frames was received as a whole", ended.stderr)
 
     def test_nobody_comes(self):
         ended = self.stof("replay", self.recording, "--port", 0, "--timeout", 1, "--json")
