@@ -153,8 +153,8 @@ class Recording {
 
   // That it should have: the PMD camera may be slower than the edges.
   static bool lacks_a_camera(const client::RawExposure& exposure) {
-    const unsigned all = exposure.info.pmd_every > 1 ? wire::kRawLeft | wire::kRawRight
-                                                     : std::uint32_t{wire::kRawPictures};
+    constexpr std::uint32_t kPair = wire::kRawLeft | wire::kRawRight;
+    const std::uint32_t all = exposure.info.pmd_every > 1 ? kPair : kPair | wire::kRawPmd;
     return (exposure.info.pictures & all) != all;
   }
 
