@@ -34,11 +34,7 @@ class View {
       take(receiver_.next(kLook));
       take_raw();
       say_events();
-      if (const std::string change =
-              teller_.look(receiver_.link(), receiver_.health(), client::Time::clock::now());
-          !change.empty()) {
-        say(change);
-      }
+      say_link();
       const client::Time now = client::Time::clock::now();
       // What is not the sensor's does not count: whoever sends it must not keep us waiting.
       const client::Statistics& statistics = receiver_.statistics();
@@ -149,6 +145,17 @@ class View {
       const std::string text = event_line(*event);
       say(text);
       page_.tell(*event, text);
+    }
+  }
+
+  void say_link() {
+    const std::string lines =
+        teller_.look(receiver_.link(), receiver_.health(), client::Time::clock::now());
+    if (!lines.empty()) {
+      say(lines);
+    }
+    for (const LinkTeller::Change& change : teller_.changes()) {
+      page_.tell(change);
     }
   }
 
