@@ -53,6 +53,16 @@ client::Frame RecordedFrame::whole_view() const {
   return frame;
 }
 
+std::optional<wire::HealthReport> health_at(const Sights& sights, std::uint64_t log_time) {
+  for (std::size_t i = sights.health.size(); i > 0; --i) {
+    const auto& [said, health] = sights.health[i - 1];
+    if (said <= log_time) {
+      return log_time - said <= kHealthHoldsNs ? std::optional(health) : std::nullopt;
+    }
+  }
+  return std::nullopt;
+}
+
 std::optional<RecordedFrame> FrameAssembler::take(Topic topic, const mcap::Message& message) {
   switch (topic) {
     case Topic::kFrameInfo:

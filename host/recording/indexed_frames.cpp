@@ -85,6 +85,14 @@ void IndexedFrames::seek(std::uint64_t log_time) {
   const auto after = calibrations_.upper_bound(log_time);
   frames_ = FrameAssembler(
       after == calibrations_.begin() ? std::nullopt : std::optional(std::prev(after)->second));
+  for (const auto& [id, topic] : topics_) {  // what was said before holds on
+    if (topic == Topic::kHealth) {
+      const std::uint64_t oldest = log_time - std::min(log_time, kHealthHoldsNs);
+      if (const auto health = reader_.newest(id, oldest, log_time)) {
+        static_cast<void>(frames_.take(topic, *health));
+      }
+    }
+  }
   from_ = log_time;
   reader_.seek(log_time);
 }

@@ -34,10 +34,10 @@ class IndexedFrames {
   const std::vector<std::pair<std::uint64_t, wire::EventReport>>& events() const noexcept {
     return events_;
   }
-  // What the sensor said last of itself, behind what was sought.
-  std::optional<wire::HealthReport> health() const {
-    const auto& all = frames_.sights().health;
-    return all.empty() ? std::nullopt : std::optional(all.back().second);
+  // What the sensor had said of itself at that log time, of the last frame that was given or behind
+  // what was sought; none: nobody knows.
+  std::optional<wire::HealthReport> health(std::uint64_t log_time) const {
+    return health_at(frames_.sights(), log_time);
   }
 
  private:

@@ -49,4 +49,9 @@ struct Sights {                                                        // beside
   std::vector<std::pair<std::uint64_t, wire::EventReport>> events{};
 };
 
+// Health comes once a second: what is older says nothing of a time.
+constexpr std::uint64_t kHealthHoldsNs = 3'000'000'000;
+// What the sensor had said of itself at that log time; none: nobody knows.
+std::optional<wire::HealthReport> health_at(const Sights& sights, std::uint64_t log_time);
+
 }  // namespace stof::recording

@@ -54,6 +54,7 @@ std::string recording_message(const RecordingState& state) {
   return dump_panel({{"type", "recording"},
                      {"possible", state.possible},
                      {"on", state.on},
+                     {"writing", state.writing},
                      {"file", state.file},
                      {"bytes", state.bytes},
                      {"frames", state.frames},

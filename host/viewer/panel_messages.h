@@ -43,12 +43,14 @@ std::string faults_message(const std::vector<FaultState>& devices, const std::st
 struct RecordingState {
   bool possible = false;  // of a sensor, not of a recording
   bool on = false;
-  std::string file{};  // of the last one, too
+  bool writing = false;  // it has ended, but not all of it is written: what came of it is not known
+  std::string file{};    // of the last one, too
   std::uint64_t bytes = 0;
   std::uint64_t frames = 0;
   std::uint64_t dropped = 0;  // frames that the disk was too slow for
   double seconds = 0;
-  std::string problem{};  // one line: why the last one ended; empty: it was asked to
+  // One line: why the last one ended, and whether a file is left; empty: it was asked to end.
+  std::string problem{};
 };
 std::string recording_message(const RecordingState& state);
 

@@ -123,4 +123,14 @@ std::string event_message(const wire::EventReport& event, const std::string& tex
                  {"time_ms", at_ms}});
 }
 
+std::string event_message(const LinkEvent& event, std::uint64_t at_ms) {
+  return dumped({{"type", "event"},
+                 {"text", event.text},
+                 {"condition", nullptr},
+                 {"severity", event.severity},
+                 {"active", event.active},
+                 {"count", 1},
+                 {"time_ms", at_ms}});
+}
+
 }  // namespace stof::viewer

@@ -30,4 +30,12 @@ std::string status_message(const Status& status);
 std::string event_message(const wire::EventReport& event, const std::string& text,
                           std::uint64_t at_ms);
 
+// What is known of the link alone: the sensor fell silent, started again or sends again.
+struct LinkEvent {
+  std::string text{};  // the line that is printed
+  wire::Severity severity = wire::Severity::kInfo;
+  bool active = false;  // it began
+};
+std::string event_message(const LinkEvent& event, std::uint64_t at_ms);
+
 }  // namespace stof::viewer

@@ -54,6 +54,8 @@ std::int64_t wall_ns() {
       .count();
 }
 
+std::uint64_t wall_ms() { return static_cast<std::uint64_t>(wall_ns() / 1'000'000); }
+
 }  // namespace
 
 // Answers come from any thread, also when the server is not there yet, or not any more.
@@ -182,9 +184,12 @@ void Viewer::tell(const bridge::RobotFeed::Link& link) {
 
 void Viewer::tell(const wire::EventReport& event, const std::string& text,
                   std::optional<std::uint64_t> at_ms) {
-  constexpr std::int64_t kNsOfMs = 1'000'000;
-  parts_->broadcast->tell_event(
-      event_message(event, text, at_ms.value_or(static_cast<std::uint64_t>(wall_ns() / kNsOfMs))));
+  parts_->broadcast->tell_event(event_message(event, text, at_ms.value_or(wall_ms())));
+  parts_->wake->pages();
+}
+
+void Viewer::tell(const LinkEvent& event) {
+  parts_->broadcast->tell_event(event_message(event, wall_ms()));
   parts_->wake->pages();
 }
 

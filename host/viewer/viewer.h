@@ -58,6 +58,7 @@ class Viewer {
   // at_ms: when it was heard of (Unix); none: now.
   void tell(const wire::EventReport& event, const std::string& text,
             std::optional<std::uint64_t> at_ms = std::nullopt);
+  void tell(const LinkEvent& event);
   // For any thread.
   void tell(Topic topic, std::string json);
 

@@ -32,6 +32,12 @@ constexpr const char* kUnsaved = "in force, until the next start: save keeps it"
 constexpr const char* kUnsavedWaits =
     "taken; save it: some settings come into force with the next start, and only if they are saved";
 
+// Of who may save nothing.
+constexpr const char* kPassing = "in force, until the next start";
+constexpr const char* kPassingWaits =
+    "taken, but some settings come into force with the next start, and only if they are saved, "
+    "which takes a key";
+
 constexpr const char* kActions =
     "get, set, stage, commit, revert, preset, save, reset, diff or schema";
 
@@ -69,11 +75,12 @@ client::ControlOptions control_options(const ConfigOptions& options) {
 class Session {
  public:
   Session(std::unique_ptr<client::ControlTransport> transport,
-          const client::ControlOptions& control, bool json)
+          const client::ControlOptions& control, const ConfigOptions& options)
       : place_(transport->place()),
         client_(std::move(transport), control),
         unclear_(!control.doubt.empty()),
-        json_(json) {}
+        json_(options.json),
+        may_save_(options.may_save) {}
 
   const std::optional<client::ControlClient::Proof>& proven() const { return client_.proven(); }
 
@@ -205,6 +212,13 @@ class Session {
     notes += (notes.empty() || note.empty() ? "" : "; ") + note;
   }
 
+  const char* unsaved_text(bool restart) const {
+    if (may_save_) {
+      return restart ? kUnsavedWaits : kUnsaved;
+    }
+    return restart ? kPassingWaits : kPassing;
+  }
+
   // The text of an answer that is no refusal says which fields the sensor has otherwise than asked.
   std::string done(const client::ControlAnswer& answer, const char* what) const {
     if (json_) {
@@ -223,7 +237,7 @@ class Session {
     const char* const waits =
         answer.restart && !unsaved ? "; some settings wait for the next start" : "";
     return "revision " + std::to_string(answer.revision) + sensor + ", " +
-           (answer.restart && unsaved ? kUnsavedWaits : what) + waits + "\n" +
+           (unsaved ? unsaved_text(answer.restart) : what) + waits + "\n" +
            (answer.text.empty() ? "" : answer.text + "\n");
   }
 
@@ -231,6 +245,7 @@ class Session {
   client::ControlClient client_;
   bool unclear_;
   bool json_;
+  bool may_save_;
 };
 
 void expect_words(const std::string& action, std::size_t count, std::size_t least,
@@ -307,7 +322,7 @@ std::string config_over(std::unique_ptr<client::ControlTransport> transport,
   const client::ControlOptions control = control_options(options);
   // Whoever is read from where nobody knows which sensor is meant proves nothing of this place.
   const bool certain = !options.sensor.empty() && control.doubt.empty();
-  Session session(std::move(transport), control, options.json);
+  Session session(std::move(transport), control, options);
   std::string text = client::printable(
       act(session, words[0], Words(words).subspan(1), options.document), client::Lines::kSeveral);
   if (session.proven() && certain) {

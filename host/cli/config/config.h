@@ -18,6 +18,7 @@ struct ConfigOptions : ControlFlags {
   std::string sensor{};              // of `words`, once config() has read it
   std::string document = "active";   // of get: active, staged, saved or defaults
   bool json = false;
+  bool may_save = true;  // false: what is in force until the next start is not told to be saved
 };
 
 // Adds `stof config` and its flags; it runs when the command line was parsed.

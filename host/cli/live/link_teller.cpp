@@ -37,26 +37,34 @@ std::string age_text(const std::optional<client::Duration>& age) {
 
 std::string LinkTeller::look(const client::LinkState& link,
                              const std::optional<wire::HealthReport>& health, client::Time now) {
-  std::string line;
+  changes_.clear();
   begun_ = begun_ || link.frame_age || link.health_age;
   const bool told = std::exchange(restarted_, link.restarted);
   if (link.restarted && !told && begun_) {
     ++restarts_;
-    line = "link: the sensor started again" + last_health(link, health);
+    changes_.push_back({.text = "link: the sensor started again" + last_health(link, health),
+                        .severity = wire::Severity::kMinor,
+                        .active = true});
   }
   if (begun_ && link.silent != std::exchange(silent_, link.silent)) {
     silences_ += link.silent ? 1U : 0U;
     sends_since_ = now;
     if (link.silent && !std::exchange(silence_told_, true)) {
       told_silences_ = silences_;
-      add_to(line, silence(link) + last_health(link, health), "\n");
+      changes_.push_back({.text = silence(link) + last_health(link, health),
+                          .severity = wire::Severity::kMajor,
+                          .active = true});
     }
   }
   if (silence_told_ && !silent_ && now - sends_since_ >= kSettled) {
     silence_told_ = false;
-    add_to(line, sends_again(silences_ - told_silences_), "\n");
+    changes_.push_back({.text = sends_again(silences_ - told_silences_)});
   }
-  return line;
+  std::string lines;
+  for (const Change& change : changes_) {
+    add_to(lines, change.text, "\n");
+  }
+  return lines;
 }
 
 }  // namespace stof::host

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "firmware/wire/messages/health.h"
 #include "host/client/session/link_watch.h"
@@ -18,10 +19,18 @@ class LinkTeller {
  public:
   static constexpr client::Duration kSettled = std::chrono::seconds(1);
 
+  struct Change {
+    std::string text{};  // one line
+    wire::Severity severity = wire::Severity::kInfo;
+    bool active = false;  // it began
+  };
+
   // A line where something is to be told since the last call, with the age of the last health; else
   // empty. Nothing is told before its first frame or health. `now` never goes back.
   std::string look(const client::LinkState& link, const std::optional<wire::HealthReport>& health,
                    client::Time now);
+  // Its lines one by one.
+  const std::vector<Change>& changes() const noexcept { return changes_; }
 
   unsigned silences() const noexcept { return silences_; }
   unsigned restarts() const noexcept { return restarts_; }
@@ -35,6 +44,7 @@ class LinkTeller {
   unsigned silences_ = 0;
   unsigned told_silences_ = 0;  // silences_ when the last one was told
   unsigned restarts_ = 0;
+  std::vector<Change> changes_;  // of the last look
 };
 
 }  // namespace stof::host

@@ -42,6 +42,16 @@ std::expected<std::pair<std::filesystem::path, mcap::FileSink>, mcap::Problem> m
   }
 }
 
+// The problem without the file's name, which the page tells itself.
+std::string ending_text(const recording::Recorder::Ended& ended, const std::string& file) {
+  if (!ended.problem) {
+    return ended.frames == 0 ? "no frame came: there is no file" : "";
+  }
+  const std::string& message = ended.problem->message;
+  return (message.starts_with(file + ": ") ? message.substr(file.size() + 2) : message) +
+         (ended.frames == 0 ? "; there is no file" : "; what was written whole is there");
+}
+
 }  // namespace
 
 struct PageRecording::Open {
@@ -144,6 +154,7 @@ void PageRecording::close() {
     return;
   }
   last_.on = false;
+  last_.writing = true;
   ending_ = std::async(std::launch::async,
                        [open = std::shared_ptr<Open>(std::move(open_))] { return open->finish(); });
 }
@@ -181,11 +192,8 @@ viewer::RecordingState PageRecording::state() {
     const recording::Recorder::Ended ended = ending_.get();
     last_.bytes = ended.bytes;
     last_.frames = ended.frames;
-    if (ended.problem) {
-      last_.problem = ended.problem->message + "; what was written whole is there";
-    } else if (ended.frames == 0) {
-      last_.problem = "no frame came: there is no file";
-    }
+    last_.writing = false;
+    last_.problem = ending_text(ended, last_.file);
   }
   return last_;
 }

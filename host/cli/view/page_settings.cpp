@@ -6,6 +6,7 @@
 #include "host/cli/config/settings_text.h"
 #include "host/cli/failure.h"
 #include "host/cli/own_keys.h"
+#include "host/cli/sensor/find_sensor.h"
 #include "host/client/control/known_sensors.h"
 #include "host/client/control/user_keys.h"
 
@@ -19,7 +20,8 @@ std::string over(const ShownSensor& sensor, const ConfigOptions& options,
   }
   ConfigOptions meant = options;
   meant.sensor = sensor.address;
-  return config_over(value_or_fail(client::open_udp_transport(sensor.address)), words, meant);
+  return config_over(value_or_fail(client::open_udp_transport(sensor_address(sensor.address))),
+                     words, meant);
 }
 
 std::string first_line(const std::string& text) {
@@ -88,7 +90,10 @@ std::string change_settings(const ShownSensor& sensor, const ConfigOptions& opti
   }
   std::vector<std::string> words{"set"};
   words.insert(words.end(), assignments.begin(), assignments.end());
-  return first_line(over(sensor, options, words));
+  ConfigOptions meant = options;
+  const OwnRole own = own_role(sensor, options);
+  meant.may_save = own.doubt.empty() && (own.role == "admin" || own.role == "tune");
+  return first_line(over(sensor, meant, words));
 }
 
 std::string save_settings(const ShownSensor& sensor, const ConfigOptions& options) {

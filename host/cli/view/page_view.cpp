@@ -161,6 +161,13 @@ void PageView::tell(const wire::EventReport& event, const std::string& text,
   }
 }
 
+void PageView::tell(const LinkTeller::Change& change) {
+  if (viewer_) {
+    viewer_->tell(viewer::LinkEvent{
+        .text = change.text, .severity = change.severity, .active = change.active});
+  }
+}
+
 bool PageView::due(client::Time now) {
   constexpr std::chrono::milliseconds kEvery{500};
   if (!visited() || now - told_ < kEvery) {

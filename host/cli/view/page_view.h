@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "host/cli/live/link_teller.h"
 #include "host/cli/receive.h"
 #include "host/cli/view/page_desk.h"
 #include "host/cli/view/page_recording.h"
@@ -47,6 +48,7 @@ class PageView {
   // at_ms: of a recording, when it was recorded (Unix); none: now.
   void tell(const wire::EventReport& event, const std::string& text,
             std::optional<std::uint64_t> at_ms = std::nullopt);
+  void tell(const LinkTeller::Change& change);
   // Of a sensor, all of it behind each look at the receiver: what is recorded, what the page wants
   // done, and twice a second how things are.
   void look(const ReceiveOptions& options, client::Receiver& receiver, client::Time now);
@@ -54,6 +56,8 @@ class PageView {
   // Of a recording: how things are, and what the page wants done with it.
   void tell_recorded(const client::Statistics& statistics,
                      const std::optional<wire::HealthReport>& health, client::Time now);
+  // The next one that is told waits for nothing.
+  void tell_at_once() { told_ = {}; }
   void tell(const viewer::PlaybackState& playback);
   std::optional<PageDesk::Own> take_own() { return desk_ ? desk_->take_own() : std::nullopt; }
   // Somebody looks, or has: what is silent may come back.

@@ -47,7 +47,8 @@ class Source {
   }
 
   bool seekable() const { return indexed_.has_value(); }
-  std::uint64_t begin_ns() const { return indexed_ ? indexed_->begin_ns() : 0; }
+  // Without an index of the first frame that was read; the end is not known.
+  std::uint64_t begin_ns() const { return indexed_ ? indexed_->begin_ns() : first_ns_; }
   std::uint64_t end_ns() const { return indexed_ ? indexed_->end_ns() : 0; }
 
   void begin_anew() {
@@ -60,25 +61,31 @@ class Source {
   // Only where it is seekable.
   void seek(std::uint64_t log_time) { indexed_->seek(log_time); }
   std::optional<recording::RecordedFrame> next() {
-    return indexed_ ? indexed_->next() : ordered_->next();
+    if (indexed_) {
+      return indexed_->next();
+    }
+    std::optional<recording::RecordedFrame> frame = ordered_->next();
+    if (frame && first_ns_ == 0) {
+      first_ns_ = frame->log_time;
+    }
+    return frame;
   }
 
   // As far as is known now.
   std::span<const std::pair<std::uint64_t, wire::EventReport>> events() const {
     return indexed_ ? std::span(indexed_->events()) : std::span(ordered_->sights().events);
   }
-  std::optional<wire::HealthReport> health() const {
-    if (indexed_) {
-      return indexed_->health();
-    }
-    const auto& all = ordered_->sights().health;
-    return all.empty() ? std::nullopt : std::optional(all.back().second);
+  // Of the frame of that time, which was read last.
+  std::optional<wire::HealthReport> health(std::uint64_t log_time) const {
+    return indexed_ ? indexed_->health(log_time)
+                    : recording::health_at(ordered_->sights(), log_time);
   }
 
  private:
   std::string file_;
   std::optional<recording::IndexedFrames> indexed_;
   std::optional<recording::FrameReader> ordered_;
+  std::uint64_t first_ns_ = 0;
 };
 
 // Plays it until a signal comes, as the page wants it.
@@ -167,6 +174,7 @@ class Player {
         before_.reset();
         sought_ = true;
         shows_one_ = true;
+        page_.tell_at_once();  // with the frame, what the sensor said then
         answer(true, "");
       } else {
         answer(false, "this is a recording already");
@@ -189,7 +197,7 @@ class Player {
     tell(client::Time::clock::now());
   }
 
-  void tell(client::Time now) { page_.tell_recorded(counts_, source_.health(), now); }
+  void tell(client::Time now) { page_.tell_recorded(counts_, source_.health(at_ns_), now); }
 
   void tell_place() {
     const std::uint64_t begin = source_.begin_ns();

@@ -34,11 +34,7 @@ class View {
       take(receiver_.next(kLook));
       take_raw();
       say_events();
-      if (const std::string change =
-              teller_.look(receiver_.link(), receiver_.health(), client::Time::clock::now());
-          !change.empty()) {
-        say(change);
-      }
+      say_link();
       const client::Time now = client::Time::clock::now();
       page_.look(options_, receiver_, now);
       if (frames_stay_away(receiver_, began, options_.timeout_s, now) && !page_.visited()) {
@@ -131,6 +127,17 @@ class View {
       const std::string text = event_line(*event);
       say(text);
       page_.tell(*event, text);
+    }
+  }
+
+  void say_link() {
+    const std::string lines =
+        teller_.look(receiver_.link(), receiver_.health(), client::Time::clock::now());
+    if (!lines.empty()) {
+      say(lines);
+    }
+    for (const LinkTeller::Change& change : teller_.changes()) {
+      page_.tell(change);
     }
   }
 

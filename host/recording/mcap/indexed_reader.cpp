@@ -15,6 +15,14 @@ std::unexpected<Problem> no_index() {
   return std::unexpected(Problem{"has no whole index: stof recover FILE makes it anew"});
 }
 
+std::optional<Message> message_at(Bytes chunk, std::uint64_t offset) {
+  const std::optional<RecordAt> record =
+      offset < chunk.size() ? first_record(chunk.subspan(static_cast<std::size_t>(offset)))
+                            : std::nullopt;
+  return record && record->opcode == Opcode::kMessage ? parse_message(record->content)
+                                                      : std::nullopt;
+}
+
 }  // namespace
 
 std::expected<IndexedReader, Problem> IndexedReader::open(const ByteSource& source,
@@ -119,15 +127,46 @@ void IndexedReader::seek(std::uint64_t log_time) {
   next_entry_ = 0;
 }
 
+std::optional<MessageIndex> IndexedReader::messages_of(const ChunkIndex& chunk,
+                                                       std::uint16_t channel) {
+  const auto at = chunk.message_index_offsets.find(channel);
+  if (at == chunk.message_index_offsets.end()) {
+    return std::nullopt;
+  }
+  const auto record = record_at(at->second, 0);
+  return record && record->opcode == Opcode::kMessageIndex ? parse_message_index(record->content)
+                                                           : std::nullopt;
+}
+
+std::optional<Message> IndexedReader::newest(std::uint16_t channel, std::uint64_t from,
+                                             std::uint64_t until) {
+  for (std::size_t i = index_.chunks.size(); i > 0; --i) {
+    const ChunkIndex& chunk = index_.chunks[i - 1];
+    if (chunk.start_time > until || chunk.end_time < from) {
+      continue;
+    }
+    const std::optional<MessageIndex> messages = messages_of(chunk, channel);
+    const IndexEntry* newest = nullptr;
+    for (const IndexEntry& entry :
+         messages ? std::span(messages->entries) : std::span<const IndexEntry>()) {
+      if (entry.log_time >= from && entry.log_time <= until &&
+          (newest == nullptr || entry.log_time >= newest->log_time)) {
+        newest = &entry;
+      }
+    }
+    if (newest != nullptr && open_chunk(chunk, beside_)) {
+      const std::optional<Message> message = message_at(beside_, newest->offset);
+      if (message && message->channel_id == channel) {
+        return message;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 std::optional<std::uint64_t> IndexedReader::last_time(std::uint16_t channel) {
   for (std::size_t i = index_.chunks.size(); i > 0; --i) {
-    const auto& offsets = index_.chunks[i - 1].message_index_offsets;
-    const auto at = offsets.find(channel);
-    const std::expected<RecordAt, Problem> record =
-        at == offsets.end() ? std::unexpected(Problem{}) : record_at(at->second, 0);
-    const std::optional<MessageIndex> messages = record && record->opcode == Opcode::kMessageIndex
-                                                     ? parse_message_index(record->content)
-                                                     : std::nullopt;
+    const std::optional<MessageIndex> messages = messages_of(index_.chunks[i - 1], channel);
     if (messages && !messages->entries.empty()) {
       return std::ranges::max(messages->entries, {}, &IndexEntry::log_time).log_time;
     }
@@ -148,19 +187,14 @@ std::expected<std::optional<Message>, Problem> IndexedReader::next() {
     if (!any) {
       continue;
     }
-    const auto done = then(read_entries(chunk), [&] { return open_chunk(chunk); });
+    const auto done = then(read_entries(chunk), [&] { return open_chunk(chunk, chunk_); });
     if (!done) {
       entries_.clear();
       return std::unexpected(done.error());
     }
   }
   const Entry& entry = entries_[next_entry_++];
-  const std::uint64_t offset = entry.message.offset;
-  const std::optional<RecordAt> record =
-      offset < chunk_.size() ? first_record(Bytes(chunk_).subspan(static_cast<std::size_t>(offset)))
-                             : std::nullopt;
-  const std::optional<Message> message =
-      record && record->opcode == Opcode::kMessage ? parse_message(record->content) : std::nullopt;
+  const std::optional<Message> message = message_at(chunk_, entry.message.offset);
   if (!message || message->channel_id != entry.channel ||
       !index_.channels.contains(entry.channel)) {
     next_entry_ = entries_.size();
@@ -192,7 +226,7 @@ std::expected<void, Problem> IndexedReader::read_entries(const ChunkIndex& chunk
   return {};
 }
 
-std::expected<void, Problem> IndexedReader::open_chunk(const ChunkIndex& chunk) {
+std::expected<void, Problem> IndexedReader::open_chunk(const ChunkIndex& chunk, Buffer& unpacked) {
   const auto record = record_at(chunk.chunk_offset, chunk.chunk_length);
   if (!record) {
     return std::unexpected(record.error());
@@ -202,7 +236,7 @@ std::expected<void, Problem> IndexedReader::open_chunk(const ChunkIndex& chunk) 
   if (!packed) {
     return damaged("chunk", chunk.chunk_offset, "it is not where the index says");
   }
-  if (const auto done = unpack(*packed, limits_, chunk_); !done) {
+  if (const auto done = unpack(*packed, limits_, unpacked); !done) {
     return damaged("chunk", chunk.chunk_offset, done.error().why);
   }
   return {};

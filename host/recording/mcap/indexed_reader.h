@@ -28,6 +28,10 @@ class IndexedReader {
   void seek(std::uint64_t log_time);
   // Of the last message of a channel; none: it has none, or no index of it can be read.
   std::optional<std::uint64_t> last_time(std::uint16_t channel);
+  // The last message of a channel between both times, by the index: one chunk is unpacked. Any
+  // number of times, beside next(); borrowed until the next call. None: there is none that can be
+  // read.
+  std::optional<Message> newest(std::uint16_t channel, std::uint64_t from, std::uint64_t until);
   // A problem is of one chunk: the next call goes on behind it.
   std::expected<std::optional<Message>, Problem> next();
 
@@ -41,7 +45,8 @@ class IndexedReader {
 
   std::expected<void, Problem> read_summary();
   std::expected<void, Problem> take_summary_record(const RecordAt& record);
-  std::expected<void, Problem> open_chunk(const ChunkIndex& chunk);
+  std::expected<void, Problem> open_chunk(const ChunkIndex& chunk, Buffer& unpacked);
+  std::optional<MessageIndex> messages_of(const ChunkIndex& chunk, std::uint16_t channel);
   std::expected<void, Problem> read_entries(const ChunkIndex& chunk);
   std::expected<RecordAt, Problem> record_at(std::uint64_t offset, std::uint64_t length);
   bool wanted(std::uint16_t channel) const { return chosen_.empty() || chosen_.contains(channel); }
@@ -60,6 +65,7 @@ class IndexedReader {
   std::size_t next_entry_ = 0;
   Buffer buffer_;
   Buffer chunk_;
+  Buffer beside_;  // of newest()
 };
 
 }  // namespace stof::mcap

@@ -23,13 +23,19 @@ function timeText(ms: number): string {
 export function showEvent(list: HTMLElement, event: SensorEvent): void {
   const item = document.createElement("li");
   item.dataset.level = event.active ? levelOf(event.severity) : "good";
-  item.append(element("span", event.text.replace(/^event: /, "")), element("time", timeText(event.time_ms)));
+  item.append(element("span", event.text.replace(/^(event|link): /, "")), element("time", timeText(event.time_ms)));
   list.prepend(item);
   while (list.children.length > mostShown) list.lastElementChild!.remove();
 }
 
-export function showHealth(line: HTMLElement, list: HTMLElement, health: Status["health"], old: boolean): void {
-  if (!health) return;
+// unknown: what is said where nothing is known.
+export function showHealth(line: HTMLElement, list: HTMLElement, health: Status["health"], old: boolean, unknown: string): void {
+  if (!health) {
+    line.textContent = unknown;
+    line.dataset.level = list.dataset.key = "";
+    list.replaceChildren();
+    return;
+  }
   list.hidden = old;
   const text = health.text.replace(/^health: /, "").replace(/, active:[^;]*/, "");
   line.textContent = old ? `Unknown: the sensor says nothing. The last that it said: ${text}` : text;

@@ -17,12 +17,14 @@ const devicesText: Record<string, string> = { trigger: "Trigger", stereo: "Stere
 
 export class FaultPanel {
   private devices = "";
+  private given = ""; // the device whose fault from here is in force
+  private isAbsent = false; // the sensor does not answer
 
   constructor(private requests: Requests) {
     find("fault-form").addEventListener("submit", (event) => {
       event.preventDefault();
-      void this.give(find<HTMLSelectElement>("fault-device").value, find<HTMLSelectElement>("fault-kind").value,
-        Math.max(0, Math.floor(Number(find<HTMLInputElement>("fault-edges").value) || 0)));
+      const edges = find<HTMLInputElement>("fault-edges").value; // empty: until it is ended, as of stof fault
+      void this.give(find<HTMLSelectElement>("fault-device").value, find<HTMLSelectElement>("fault-kind").value, edges === "" ? 0 : Number(edges));
     });
     find("fault-device").addEventListener("change", () => this.kinds());
   }
@@ -31,8 +33,23 @@ export class FaultPanel {
 
   told(message: FaultsMessage): void {
     find("faults").hidden = false;
+    if (message.problem) {
+      this.say(message.problem, true);
+    } else if (this.isAbsent) {
+      this.say("", false);
+    }
+    this.isAbsent = message.problem !== "";
+    find<HTMLButtonElement>("fault-give").disabled = this.isAbsent || !this.requests.rights.may;
+    if (!this.isAbsent) this.show(message); // else the choices stay
+    this.list(message);
+  }
+
+  private show(message: FaultsMessage): void {
     this.known = message.devices;
-    if (message.problem) this.say(message.problem, true);
+    if (this.given && message.devices.some((one) => one.device === this.given && one.now === "none")) {
+      this.say("The fault has ended.", false);
+      this.given = "";
+    }
     const names = message.devices.map((one) => one.device).join();
     if (names !== this.devices) {
       this.devices = names;
@@ -41,6 +58,9 @@ export class FaultPanel {
       if (message.devices.some((one) => one.device === "pmd")) select.value = "pmd";
       this.kinds();
     }
+  }
+
+  private list(message: FaultsMessage): void {
     const active = message.devices.filter((one) => one.now !== "none");
     const key = JSON.stringify(active);
     const list = find("fault-list");
@@ -71,7 +91,9 @@ export class FaultPanel {
   }
 
   private async give(device: string, kind: string, edges: number): Promise<void> {
+    this.given = "";
     const answer = await this.requests.ask("fault", { device, kind, edges });
+    this.given = answer.done && kind !== "none" ? device : "";
     this.say(answer.done ? (kind === "none" ? "The fault has ended." : "The fault is in force: its effect is under Health and Events.") : answer.text, !answer.done);
   }
 }

@@ -23,6 +23,12 @@ function short(value: number): string {
   return String(Number(value.toPrecision(3)));
 }
 
+// Why a field takes no distance; "": it does.
+function rangeError(field: HTMLInputElement): string {
+  if (field.value === "") return "give a distance in metres";
+  return Number(field.value) > 0 ? "" : "has to be more than 0 m";
+}
+
 const readEveryMs = 100; // faster than that nobody reads
 
 class Page {
@@ -103,6 +109,7 @@ class Page {
     find("sensor").textContent = name;
     document.title = `stof ${name}`;
     this.recording = hello.recording;
+    find("pause").title = `The picture of this page stands; the ${hello.recording ? "recording" : "sensor"} goes on.`;
     find("settings").hidden = find("calibration").hidden = find("update").hidden = hello.recording;
     this.table = hello.colours.map(rgb);
     this.sources = hello.sources;
@@ -249,12 +256,13 @@ class Page {
   }
 
   private setRange(): void {
-    const near = Number(this.near.value);
-    const far = Number(this.far.value);
-    const wrong = !(near > 0 && far > near);
-    this.near.setCustomValidity(wrong ? "has to be below the other end" : "");
-    if (wrong) {
-      this.near.reportValidity();
+    const [near, far] = [Number(this.near.value), Number(this.far.value)];
+    const [wrongNear, wrongFar] = [rangeError(this.near), rangeError(this.far)];
+    this.near.setCustomValidity(wrongNear || (wrongFar || near < far ? "" : "has to be below the other end"));
+    this.far.setCustomValidity(wrongFar);
+    const asked = [this.near, this.far].find((end) => end.validity.customError);
+    if (asked) {
+      asked.reportValidity();
       return;
     }
     if (this.table.length) this.setScale(new Scale(this.table, near, far));
@@ -371,7 +379,8 @@ class Page {
     }
     this.counted = { at: now, toldMs: status.at_ms, frames: status.frames, bad, received: this.received, drawn: this.drawn };
     this.latencies = [];
-    showHealth(find("health"), find("active"), status.health, this.silent());
+    showHealth(find("health"), find("active"), status.health, this.silent(),
+      this.recording ? "Not known: the recording does not hold what the sensor said of itself here." : "Nothing is known yet.");
     this.plot();
     this.showState();
   }
@@ -407,10 +416,10 @@ class Page {
         : this.refused ? ["Not connected: stof view has ended, or all its places are taken: close another page of it", "major"] : ["connecting", "wait"];
     }
     if (this.silent()) return [`Old picture: ${this.status!.waiting}`, "major"];
-    if (this.paused) return ["Paused", "wait"];
+    if (this.paused) return ["Frozen picture", "wait"];
     const health = this.status?.health;
     if (health && health.severity > 0) return [health.active.filter((one) => one.severity > 0).map((one) => one.name.replace(/_/g, " ")).join(", ") || "trouble", levelOf(health.severity)];
-    if (this.recording) return ["Recording", "good"];
+    if (this.recording) return [this.player.plays() ? "Recording" : "Recording, paused", health ? "good" : ""];
     return this.frame ? ["Live", "good"] : ["waiting for the first frame", "wait"];
   }
 }

@@ -49,7 +49,8 @@ export interface Status {
   };
 }
 
-export interface SensorEvent { text: string; condition: number; severity: number; active: boolean; count: number; time_ms: number }
+// condition: null where the link is meant: the sensor is silent, has started again, sends again.
+export interface SensorEvent { text: string; condition: number | null; severity: number; active: boolean; count: number; time_ms: number }
 
 // Whether this page may have something done, and the ticket that each request carries.
 export interface Rights { may: boolean; why: string; why_not_pair: string; ticket: string; page: number }
@@ -74,7 +75,7 @@ export interface SettingsMessage {
 export interface FaultsMessage { devices: { device: string; now: string; edges: number; kinds: string[] }[]; problem: string }
 
 export interface RecordingMessage {
-  possible: boolean; on: boolean; file: string; bytes: number; frames: number; dropped: number; seconds: number; problem: string;
+  possible: boolean; on: boolean; writing: boolean; file: string; bytes: number; frames: number; dropped: number; seconds: number; problem: string;
 }
 
 export interface PlaybackMessage { playing: boolean; seekable: boolean; at_ms: number; length_ms: number; began_ms: number }

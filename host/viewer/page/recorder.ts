@@ -34,7 +34,11 @@ export class RecordButton {
     this.on = message.on;
     put("record", message.on ? "Stop recording" : "Record");
     button.setAttribute("aria-pressed", String(message.on));
-    if (message.problem) {
+    if (message.writing) {
+      put("record-said", `Writing ${message.file}`);
+      find("record-said").dataset.level = "wait";
+      find("record-said").hidden = false;
+    } else if (message.problem) {
       this.say(`${message.file}: ${message.problem}`, true);
     } else if (message.file) {
       const lost = message.dropped ? `, ${message.dropped} frames not: the disk is too slow` : "";
@@ -73,17 +77,25 @@ export class Player {
     });
   }
 
+  plays(): boolean {
+    return this.state?.playing ?? true;
+  }
+
   told(message: PlaybackMessage): void {
     this.state = message;
     find("player").hidden = false;
-    put("play", message.playing ? "Halt" : "Play");
-    const bar = find<HTMLInputElement>("seek");
-    bar.max = String(Math.max(1, message.length_ms));
-    bar.disabled = find<HTMLButtonElement>("back").disabled = find<HTMLButtonElement>("forward").disabled = !message.seekable || !this.requests.rights.may;
+    put("play", message.playing ? "Pause" : "Play");
+    find<HTMLInputElement>("seek").max = String(Math.max(1, message.length_ms));
+    for (const id of ["seek", "back", "forward"]) {
+      const control = find<HTMLInputElement | HTMLButtonElement>(id);
+      control.hidden = !message.seekable; // nobody knows how long it is
+      control.disabled = !this.requests.rights.may;
+    }
     find<HTMLButtonElement>("play").disabled = !this.requests.rights.may;
     if (performance.now() > this.held) this.show(message.at_ms);
     const began = message.began_ms ? `recorded ${new Date(message.began_ms).toLocaleString()}` : "";
-    put("player-note", message.seekable ? began : "This file has no index, so there is nothing to jump by: stof recover makes one.");
+    const absent = "This file has no index, so there is nothing to jump by: stof recover makes one.";
+    put("player-note", message.seekable ? began : `${absent}${began && ` It was ${began}.`}`);
   }
 
   private show(ms: number): void {

@@ -83,10 +83,8 @@ class Field {
     this.control.addEventListener("input", () => { this.mark(); this.changed(); });
     this.reset.addEventListener("click", () => { this.show(this.standard); this.mark(); this.changed(); this.control.focus(); });
     this.reset.setAttribute("aria-label", `${path}: back to its default`);
-    const range = schema.minimum !== undefined ? ` ${schema.minimum} to ${schema.maximum}` : "";
-    const unit = schema["x-unit"] ? ` ${schema["x-unit"]}` : "";
     const later = schema["x-applies"] === "restart" ? " In force after the next start, where it is saved." : "";
-    const text = `${schema.description ?? ""}${range || unit ? ` (${`${range}${unit}`.trim()})` : ""}.${later}`;
+    const text = `${schema.description ?? ""}${this.ends() && ` (${this.ends()})`}.${later}`;
     const name = make("label", path.split(".").pop(), { htmlFor: id });
     const line = make("div", "", { className: "control" });
     line.append(this.control, this.reset);
@@ -94,9 +92,15 @@ class Field {
     this.row.append(name, line, about, this.note);
   }
 
+  // "500 to 16380 mm"; "": it has none.
+  private ends(): string {
+    const { minimum, maximum, "x-unit": unit } = this.schema;
+    return [minimum === undefined ? "" : `${minimum} to ${maximum}`, unit ?? ""].filter((part) => part).join(" ");
+  }
+
   private read(): Value {
     if (this.kind === "switch") return (this.control as HTMLInputElement).checked;
-    if (this.kind === "number") return Number(this.control.value);
+    if (this.kind === "number" && this.control.value !== "") return Number(this.control.value);
     return this.control.value;
   }
 
@@ -131,12 +135,15 @@ class Field {
   valid(): boolean {
     return this.control.disabled || this.control.checkValidity();
   }
-  report(): void {
+  // What is wrong with it, also beside it.
+  report(): string {
     this.control.reportValidity();
+    return `${this.path}: ${this.control.validationMessage}`;
   }
 
   private mark(): void {
     const change = this.change();
+    this.control.setCustomValidity(this.kind === "number" && this.control.value === "" ? `give a number, ${this.ends()}` : "");
     this.row.classList.toggle("changed", change !== undefined);
     this.reset.disabled = String(this.read()) === String(this.standard);
     this.note.textContent = change !== undefined
@@ -258,7 +265,7 @@ export class SettingsPanel {
   private async apply(): Promise<void> {
     const wrong = this.fields.find((field) => !field.valid());
     if (wrong) {
-      wrong.report();
+      this.say(wrong.report(), true);
       return;
     }
     this.say("", false);

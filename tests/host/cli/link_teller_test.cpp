@@ -1,6 +1,7 @@
 #include "host/cli/live/link_teller.h"
 
 #include <chrono>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -73,6 +74,17 @@ TEST(LinkTeller, TellsBothAtOnceInTwoLines) {
   EXPECT_EQ(teller.look(both, kGood, kStart),
             "link: the sensor started again; last health 0.9 s ago: good\n"
             "link: the sensor is silent, its last frame is 0.4 s old; last health 0.9 s ago: good");
+  const std::vector<LinkTeller::Change> changes = teller.changes();
+  ASSERT_EQ(changes.size(), 2U);
+  EXPECT_EQ(changes[0].text, "link: the sensor started again; last health 0.9 s ago: good");
+  EXPECT_EQ(changes[0].severity, wire::Severity::kMinor);
+  EXPECT_EQ(changes[1].severity, wire::Severity::kMajor);
+  EXPECT_TRUE(changes[0].active && changes[1].active);
+  static_cast<void>(teller.look(heard(10ms, 200ms), kGood, kStart));
+  EXPECT_TRUE(teller.changes().empty());
+  static_cast<void>(teller.look(heard(10ms, 200ms), kGood, kStart + 1s));
+  ASSERT_EQ(teller.changes().size(), 1U);
+  EXPECT_FALSE(teller.changes()[0].active);
 }
 
 TEST(LinkTeller, TellsNothingOfASensorThatNeverCame) {

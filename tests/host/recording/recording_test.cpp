@@ -157,6 +157,53 @@ TEST_F(RecordingTest, FramesFromAnyTimeOnAreThoseOfTheWholeFile) {
   }
 }
 
+TEST_F(RecordingTest, HealthOfAPlaceIsWhatWasSaidLastBeforeIt) {
+  constexpr std::uint64_t kSecond = 1'000'000'000;
+  for (const std::chrono::milliseconds period : {0ms, 1'000'000ms}) {  // chunks: many, one
+    const auto file = folder() / "health.mcap";
+    auto sink = mcap::FileSink::open(file, mcap::FileSink::Existing::kReplace);
+    ASSERT_TRUE(sink);
+    auto recorder = recording::Recorder::start(*sink, {.library = "test", .sync_period = period});
+    ASSERT_TRUE(recorder);
+    for (std::uint32_t number = 1; number <= 20; ++number) {
+      const Pictures pictures(number);
+      const client::Frame frame = pictures.frame(number);
+      recording::TopicMessages messages;
+      recording::append_frame(messages, frame, number * kSecond);
+      if (number < 10 || number > 16) {
+        recording::append_health(messages, frame.origin, {.uptime_ms = number},
+                                 number * kSecond + kSecond / 2);
+      }
+      ASSERT_TRUE((*recorder)->put(std::move(messages)));
+    }
+    ASSERT_TRUE((*recorder)->finish().indexed);
+    auto frames = recording::IndexedFrames::open(file);
+    ASSERT_TRUE(frames);
+    const auto at = [&](std::uint64_t number) {
+      frames->seek(number * kSecond);
+      const auto frame = frames->next();
+      EXPECT_TRUE(frame && frame->stamp.number == number) << number;
+      return frames->health(number * kSecond)
+          .value_or(wire::HealthReport{.uptime_ms = 0})
+          .uptime_ms;
+    };
+    EXPECT_EQ(at(9), 8U);
+    EXPECT_EQ(at(2), 1U);
+    EXPECT_EQ(at(20), 19U);
+    EXPECT_EQ(at(1), 0U);   // nothing was said yet
+    EXPECT_EQ(at(12), 9U);  // still fresh
+    EXPECT_EQ(at(14), 0U);  // too old
+    EXPECT_EQ(at(17), 0U);  // what came later is not it
+    // As it plays on.
+    frames->seek(7 * kSecond);
+    for (std::uint64_t number = 7; number < 10; ++number) {
+      ASSERT_TRUE(frames->next());
+      EXPECT_EQ(frames->health(number * kSecond).value_or(wire::HealthReport{}).uptime_ms,
+                number - 1);
+    }
+  }
+}
+
 TEST_F(RecordingTest, AFileWithoutIndexHasNoTimesToSeek) {
   const auto file = write({10, 11, 12});
   std::filesystem::resize_file(file, std::filesystem::file_size(file) - 1);

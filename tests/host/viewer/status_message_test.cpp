@@ -34,5 +34,16 @@ TEST(StatusMessage, AnEventOfARecordingHasTheTimeOfItsRecording) {
   EXPECT_EQ(event.at("active"), true);
 }
 
+TEST(StatusMessage, AnEventOfTheLinkIsOfNoCondition) {
+  const auto event = nlohmann::json::parse(event_message(
+      LinkEvent{.text = "link: silent", .severity = wire::Severity::kMajor, .active = true}, 5));
+  EXPECT_EQ(event.at("type"), "event");
+  EXPECT_EQ(event.at("text"), "link: silent");
+  EXPECT_TRUE(event.at("condition").is_null());
+  EXPECT_EQ(event.at("severity"), static_cast<int>(wire::Severity::kMajor));
+  EXPECT_EQ(event.at("active"), true);
+  EXPECT_EQ(event.at("time_ms"), 5);
+}
+
 }  // namespace
 }  // namespace stof::viewer

@@ -71,8 +71,11 @@ class Sensor(Program):
 
 
 class View(Program):
-    def __init__(self, folder, sensor, *flags, name="view"):
-        super().__init__([*COMMAND, "view", f"127.0.0.1:{sensor.port}", *flags], folder, name)
+    """sensor: what has a port, or what `stof view` takes. before: words before the command."""
+
+    def __init__(self, folder, sensor, *flags, name="view", before=()):
+        where = f"127.0.0.1:{sensor.port}" if hasattr(sensor, "port") else sensor
+        super().__init__([*before, *COMMAND, "view", where, *flags], folder, name)
         await_("the page's address", lambda: re.search(r"^page: .*\n", self.text(), re.M) or self.process.poll() is not None)
         self.addresses = re.findall(r"^page: (http://\S+)\n", self.text(), re.M)
         assert self.addresses, self.text()
@@ -266,13 +269,14 @@ class Pages(unittest.TestCase):
 
     def test_settings_are_changed_by_one_request_and_refused_in_the_sensors_words(self):
         with self.open() as page:
+            page.until("pairing", lambda told: told["offer"] == "unpaired")  # the sensor has said so
             self.answer_when(page, is_done, "settings")  # once it knows where the sensor is
             with self.open() as late:  # whoever comes later has it, too
                 settings = late.message("settings")
             self.assertEqual((settings["problem"], settings["doubt"], settings["role"]), ("", "", "anybody"))
             self.assertEqual(json.loads(settings["schema"])["properties"]["streams"]["properties"]["cloud_step"]["maximum"], 64)
             answer = self.answer_when(page, is_done, "set", number=9, settings={"streams.cloud_step": 32, "streams.parity": True})
-            self.assertRegex(answer["text"], r"^revision \d+.*in force")
+            self.assertRegex(answer["text"], r"^revision \d+.*in force, until the next start$")  # nobody may save it
             self.assertEqual((self.setting("streams.cloud_step"), self.setting("streams.parity")), ("32", "true"))
             for refused, words in (({"streams.cloud_step": 1}, "streams.cloud_step: takes 2 to 64"), ({"moon": 1}, "moon"),
                                    ({"streams.cloud_step": 8, "depth.preset": "quality"}, "depth.preset"), ({"name": "x"}, "name")):
@@ -531,6 +535,14 @@ class Ways(unittest.TestCase):
             page.ask("depth")
             head, _ = page.frame()
             self.assertNotEqual(head["session"], session)
+        with WebSocket(view.port, token=token) as later:  # what was before it is told, too
+            events, end = [], time.monotonic() + 10
+            while not any(event["text"].startswith("link: the sensor sends again") for event in events) and time.monotonic() < end:
+                opcode, payload = later.receive()
+                events += [json.loads(payload)] if opcode == 1 and json.loads(payload)["type"] == "event" else []
+            for what, active in (("is silent", True), ("started again", True), ("sends again", False)):
+                self.assertIn((what, active, None), [(what, event["active"], event["condition"]) for event in events
+                                                     if event["text"].startswith(f"link: the sensor {what}")])
         self.assertEqual(view.stop(), 0)
         self.assertEqual(view.text().count(token), len(view.addresses))
 
@@ -578,6 +590,72 @@ class Ways(unittest.TestCase):
         for flags in (["--frames", "1"], ["--headless", "x"], ["--signed"], ["--lan-control"]):
             ended = subprocess.run([*COMMAND, "view", file, *flags], capture_output=True, text=True, timeout=ENOUGH_S, check=False)
             self.assertEqual((ended.returncode, ended.stderr.count("\n")), (2, 1), ended.stderr)
+
+    def test_a_recording_has_health_and_clock_of_the_place_that_is_shown(self):
+        sensor = self.start(Sensor)
+        file = pathlib.Path(self.folder) / "it.mcap"
+        made = subprocess.run([*COMMAND, "record", f"127.0.0.1:{sensor.port}", file, "--seconds", "7", "--timeout", "20"], capture_output=True,
+                              text=True, timeout=ENOUGH_S, check=False)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        self.assertEqual(sensor.stop(), 0)
+        view = self.start(View, file, "--http-port", "0")
+        with WebSocket(view.port) as page:
+            self.assertTrue(page.wish("play", on=False)["done"])
+            uptimes = {}
+            for to_ms in (5000, 2000, 5000):
+                self.assertTrue(page.wish("seek", to_ms=to_ms)["done"])
+                page.until("playback", lambda place, to=to_ms: to <= place["at_ms"] < to + 1500)
+                health = page.message("status")["health"]
+                self.assertIsNotNone(health, to_ms)
+                self.assertEqual(uptimes.setdefault(to_ms, health["uptime_s"]), health["uptime_s"])
+            self.assertTrue(1 < uptimes[5000] - uptimes[2000] < 5, uptimes)
+        self.assertEqual(view.stop(), 0)
+        cut = pathlib.Path(self.folder) / "cut.mcap"
+        cut.write_bytes(file.read_bytes()[:-100])
+        view = self.start(View, cut, "--http-port", "0")
+        with WebSocket(view.port) as page:
+            for _ in range(3):
+                place = page.message("playback")
+                self.assertFalse(place["seekable"])
+                self.assertLess(place["at_ms"], 60_000)
+                self.assertLess(abs(place["began_ms"] / 1000 - time.time()), 600)
+                self.assertEqual(place["length_ms"], 0)
+        self.assertEqual(view.stop(), 0)
+
+    def test_a_sensor_named_by_its_name_has_its_settings_read(self):
+        name = f"view{os.getpid()}"
+        sensor = self.start(Sensor, "--set", f"name={name}", "--set", "discovery.beacon=true", "--set", "discovery.mdns=true")
+        found = subprocess.run([*COMMAND, "discover", "--json"], capture_output=True, text=True, timeout=ENOUGH_S, check=False)
+        if name not in found.stdout:
+            self.skipTest("no network here on which a sensor is found")
+        view = self.start(View, name, "--http-port", "0", "--timeout", "20")
+        with WebSocket(view.port) as page:
+            page.ask("depth")
+            page.frame()
+            end = time.monotonic() + ENOUGH_S
+            while (settings := page.wish("settings") and page.told["settings"])["problem"] and time.monotonic() < end:
+                self.assertNotRegex(settings["problem"], "resol|unreachable")
+                time.sleep(0.2)
+            self.assertEqual(settings["problem"], "")
+            self.assertEqual(json.loads(settings["active"])["name"], name)
+        self.assertEqual(view.stop(), 0)
+        self.assertEqual(sensor.stop(), 0)
+
+    def test_a_recording_that_no_disk_takes_is_not_told_as_made(self):
+        sensor = self.start(Sensor)
+        limited = ("sh", "-c", "trap '' XFSZ; ulimit -f 40; exec \"$@\"", "_")  # 20,480 bytes
+        view = self.start(View, sensor, "--http-port", "0", "--timeout", "20", "--record-to", self.folder, before=limited)
+        with WebSocket(view.port) as page:
+            page.ask("depth")
+            page.frame()
+            self.assertTrue(page.wish("record", on=True)["done"])
+            while not (state := page.message("recording"))["problem"]:
+                self.assertTrue(state["on"] or state["writing"] or not state["file"], state)
+            self.assertEqual((state["on"], state["writing"]), (False, False))
+            self.assertRegex(state["problem"], "^File too large.*; there is no file$")
+            self.assertNotIn(self.folder, state["problem"])
+            self.assertFalse(pathlib.Path(state["file"]).exists())
+        self.assertEqual(view.stop(), 0)
 
     def test_headless_writes_pictures_and_serves_nothing(self):
         sensor = self.start(Sensor)

@@ -21,8 +21,9 @@ const phone = { width: 360, height: 740 };
 let browser;
 const complaints = [];
 
-async function open(address, size = wide, scheme = "light") {
-  const context = await browser.newContext({ viewport: size, colorScheme: scheme });
+// more: of the browser, as Playwright has it.
+async function open(address, size = wide, scheme = "light", more = {}) {
+  const context = await browser.newContext({ viewport: size, colorScheme: scheme, ...more });
   const page = await context.newPage();
   page.setDefaultTimeout(60_000);
   page.on("console", (message) => {
@@ -178,6 +179,66 @@ const checks = {
     await page.context().close();
   },
 
+  async "a wide window: the tools are one row, and both columns end about where the other does"({ address }) {
+    for (const size of [wide, { width: 1440, height: 900 }]) {
+      const page = await open(address, size);
+      await live(page);
+      await until("health", async () => (await text(page, "health")) !== "Nothing is known yet.");
+      await until("the panel that pairs", async () => page.locator("#pairing").isVisible());
+      const { ends, left, right } = await page.evaluate(() => {
+        const record = document.getElementById("record");
+        record.textContent = "Stop recording";  // the longest that it is called
+        const end = (one) => Math.round(one.getBoundingClientRect().bottom);
+        return { ends: [...record.parentElement.children].map(end), left: end(document.getElementById("minute")), right: end(document.getElementById("events-card")) };
+      });
+      assert.equal(new Set(ends).size, 1, `${size.width}: ${ends}`);
+      assert.ok(Math.abs(left - right) < 200, `${size.width}: the left column ends at ${left}, the right one at ${right}`);
+      await shot(page, `wide_${size.width}`);
+      await page.emulateMedia({ colorScheme: "dark" });
+      await new Promise((done) => setTimeout(done, 600));
+      await shot(page, `wide_${size.width}_dark`);
+      await page.context().close();
+    }
+  },
+
+  async "the ends of the scale: what is wrong with one is said of that one"({ address }) {
+    const page = await open(address);
+    await live(page);
+    const before = await text(page, "ticks");
+    const said = async (id, value) => {
+      await page.locator(`#${id}`).fill(value);
+      await page.locator(`#${id}`).dispatchEvent("change");
+      return page.evaluate(() => ["near", "far"].map((end) => document.getElementById(end)).map((end) => end.validity.customError ? end.validationMessage : ""));
+    };
+    const near = await page.locator("#near").inputValue();
+    assert.deepEqual(await said("near", "-3"), ["has to be more than 0 m", ""]);
+    assert.deepEqual(await said("near", ""), ["give a distance in metres", ""]);
+    assert.deepEqual(await said("near", "99"), ["has to be below the other end", ""]);
+    assert.deepEqual(await said("far", "-1"), ["", "has to be more than 0 m"]);
+    assert.equal(await text(page, "ticks"), before);
+    await said("near", near);
+    assert.deepEqual(await said("far", "2"), ["", ""]);
+    assert.notEqual(await text(page, "ticks"), before);
+    await page.context().close();
+  },
+
+  async "touch: the hint speaks of fingers, and a tap reads a pixel"({ address }) {
+    const page = await open(address, phone, "dark", { hasTouch: true, isMobile: true });
+    await live(page);
+    const hint = await text(page, "keys");
+    assert.match(hint, /^Touch a pixel\. Drag/);
+    assert.doesNotMatch(hint, /keys|Point/);
+    await page.locator("#map").tap();
+    await until("a pixel", async () => /^\d+, \d+$/.test(await text(page, "probe-pixel")));
+    // A picture of the whole page is taken as of a screen that is not touched.
+    await page.locator("#keys").scrollIntoViewIfNeeded();
+    await page.screenshot({ path: join(out, "phone_touch_dark.png") });
+    await page.context().close();
+    const other = await open(address);
+    assert.match(await text(other, "keys"), /^Point at a pixel.*0 goes back\.$/);
+    await other.context().close();
+  },
+
   async "a phone: nothing is wider than 360 px, and the keys reach everything"({ address }) {
     const page = await open(address, phone);
     await live(page);
@@ -234,9 +295,11 @@ const checks = {
     await until("its end", async () => (await text(page, "events")).includes("pmd_lost ended"));
     await sensor.stop();
     await until("silence", async () => (await text(page, "state")).startsWith("Old picture: no frame comes"));
+    await until("the event", async () => /the sensor is silent, its last frame/.test(await text(page, "events")));
     await shot(page, "silent");
     const again = await startSensor(bin, sensor.port, flags);
     await until("frames again", async () => (await text(page, "state")) === "Live");
+    await until("both events", async () => /the sensor sends again[^]*the sensor started again/.test(await text(page, "events")));
     await page.reload();
     await live(page);
     await until("events again", async () => (await text(page, "events")).includes("pmd_lost ended"));

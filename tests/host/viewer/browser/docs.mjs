@@ -36,7 +36,7 @@ export async function drawDocs({ bin, out, open, text, choose, live }) {
   await until("the panel", async () => page.locator("#faults").isVisible());
   await page.locator("#fault-device").selectOption("pmd");
   await page.locator("#fault-kind").selectOption("vanish");
-  await page.locator("#fault-edges").fill("0");
+  await page.locator("#fault-edges").fill("");
   await page.locator("#fault-give").click();
   await until("its effect", async () => (await text(page, "active")).includes("pmd lost"));
   await page.evaluate(() => { document.activeElement.blur(); scrollTo(0, 0); });

@@ -1,6 +1,6 @@
 // What the page's panels do: settings, faults, recording, the seek bar.
 import { strict as assert } from "node:assert";
-import { existsSync, mkdirSync, readdirSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { configHome, folder, start, startSensor, startView, until } from "./programs.mjs";
 
@@ -43,7 +43,7 @@ export function panelChecks({ bin, flags, open, text, live, shot, probe, phone }
       const far = [at % width, Math.floor(at / width)];
       await field(page, "depth.max_range_mm").fill("2000");
       assert.equal(await text(page, "settings-apply"), "Apply 1 change");
-      assert.match(await apply(page), /^revision \d+.*in force, until the next start/);
+      assert.match(await apply(page), /^revision \d+.*in force, until the next start$/); // nobody here may save it
       await until("no depth there", async () => (await probe(page, ...far)).depth === "none");
       await until("a field that is as it was", async () => await page.locator("#settings-apply").isDisabled());
       await page.mouse.move(0, 0);
@@ -59,6 +59,11 @@ export function panelChecks({ bin, flags, open, text, live, shot, probe, phone }
       await field(page, "depth.max_range_mm").fill("99999");
       await page.locator("#settings-apply").click();
       assert.ok(await field(page, "depth.max_range_mm").evaluate((input) => !input.checkValidity()));
+      assert.match(await text(page, "settings-said"), /^depth\.max_range_mm: .*16380/);
+      assert.equal(await page.locator("#settings-said").getAttribute("data-level"), "major");
+      await field(page, "depth.max_range_mm").fill("");
+      await page.locator("#settings-apply").click();
+      assert.equal(await text(page, "settings-said"), "depth.max_range_mm: give a number, 500 to 16380 mm");
       await page.locator(".field", { has: field(page, "depth.max_range_mm") }).locator("button").click();
       assert.equal(await field(page, "depth.max_range_mm").inputValue(), "10000");
       assert.match(await apply(page), /^revision/);
@@ -115,7 +120,9 @@ export function panelChecks({ bin, flags, open, text, live, shot, probe, phone }
       assert.deepEqual(await page.locator("#fault-device option").allInnerTexts(), ["Trigger", "Stereo pair", "PMD camera"]);
       await page.locator("#fault-device").selectOption("pmd");
       await page.locator("#fault-kind").selectOption("vanish");
-      await page.locator("#fault-edges").fill("0");
+      await page.locator("#fault-edges").fill("0"); // as little as stof fault takes
+      assert.ok(await page.locator("#fault-edges").evaluate((input) => !input.checkValidity()));
+      await page.locator("#fault-edges").fill("");
       await page.locator("#fault-give").click();
       await until("the condition", async () => (await text(page, "active")).includes("pmd lost"));
       assert.match(await text(page, "state"), /pmd lost/);
@@ -132,12 +139,29 @@ export function panelChecks({ bin, flags, open, text, live, shot, probe, phone }
       assert.equal(given.code, 0, given.text);
       await until("the pair is lost", async () => (await text(page, "events")).includes("stereo_lost began"));
       await until("the pair is back", async () => (await text(page, "events")).includes("stereo_lost ended"));
+      // One of the page that ends by itself.
+      await page.locator("#fault-edges").fill("20");
+      await page.locator("#fault-give").click();
+      await until("that it is in force", async () => (await text(page, "fault-said")).startsWith("The fault is in force"));
+      await until("that it has ended", async () => (await text(page, "fault-said")) === "The fault has ended.");
+      // The sensor goes, and is back.
+      const choices = () => page.locator("#fault-form option").allInnerTexts();
+      const before = await choices();
+      assert.ok(before.length > 6, `${before}`);
+      await sensor.stop();
+      await until("that it is absent", async () => /no emulated sensor listens/.test(await text(page, "fault-said")));
+      assert.deepEqual(await choices(), before);
+      assert.ok(await page.locator("#fault-give").isDisabled());
+      await shot(page, "fault_absent");
+      const again = await startSensor(bin, sensor.port, [...flags, "--fault-socket", socket]);
+      await until("that it is back", async () => (await text(page, "fault-said")) === "");
+      assert.ok(await page.locator("#fault-give").isEnabled());
       await page.setViewportSize(phone);
       await fits(page, phone);
       await shot(page, "phone_fault");
       await page.context().close();
       await view.stop();
-      await sensor.stop();
+      await again.stop();
     },
 
     async "a recording is made, opens, and a seek shows the frame of that time"() {
@@ -180,8 +204,17 @@ export function panelChecks({ bin, flags, open, text, live, shot, probe, phone }
         await new Promise((done) => setTimeout(done, 400));
         return page.newest.frame;
       };
+      assert.equal(await text(page, "pause"), "Freeze"); // this page's picture; the other button is the recording's
+      assert.equal(await text(page, "play"), "Play");
+      // Health is that of the place, or none: the first frame came before the first that the sensor said.
       const first = await seek(0);
+      await until("that nothing is known", async () => (await text(page, "health")).startsWith("Not known: "));
+      assert.equal(await text(page, "active"), "");
+      assert.equal(await text(page, "state"), "Recording, paused");
+      await shot(page, "replay_begin");
       const later = await seek(2000);
+      await until("health", async () => /, up \d+ s/.test(await text(page, "health")));
+      await until("what is active", async () => (await text(page, "active")).includes("unpaired"));
       assert.ok(place().at_ms >= 2000, `${place().at_ms}`);
       // Five a second, but for those that a busy machine lost.
       assert.ok(later > first && later - first <= 11, `${first}, ${later}`);
@@ -204,6 +237,18 @@ export function panelChecks({ bin, flags, open, text, live, shot, probe, phone }
       await shot(page, "phone_replay");
       await page.context().close();
       await replay.stop();
+      // Cut, it has no index: no end, nothing to jump by, and a clock that begins with it.
+      const cut = join(folder, "cut.mcap");
+      writeFileSync(cut, readFileSync(file).subarray(0, -100));
+      const plain = await startView(bin, cut);
+      const short = await open(plain.address, wide, "dark");
+      await live(short);
+      await until("the player", async () => /^0:0\d\.\d$/.test(await text(short, "player-time")));
+      assert.ok(await short.locator("#seek").isHidden() && await short.locator("#back").isHidden());
+      assert.match(await text(short, "player-note"), /no index.*stof recover makes one\. It was recorded /);
+      await shot(short, "replay_cut_dark");
+      await short.context().close();
+      await plain.stop();
     },
   };
 }
