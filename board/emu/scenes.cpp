@@ -140,6 +140,7 @@ std::expected<emu::Rig, std::string> try_changed(emu::Rig own, const SceneOption
   if (emu::is_board(options.name)) {
     constexpr int kRaysOfBoards = 8;  // edges in amplitude are measured
     rig.pmd.rays_per_side = kRaysOfBoards;
+    rig.pmd.scattered_rays = true;
   }
   return changed_rig(std::move(rig), options.rig);
 }

@@ -197,10 +197,12 @@ void add_calib(CLI::App& app, CalibPmdOptions& options, CalibInstallOptions& ins
   calib.require_subcommand(1);
   CLI::App& pmd = *calib.add_subcommand(
       "pmd", "A PMD sensor from a wall at known distances (docs/CALIBRATION.md)");
-  show_example(pmd, "stof calib pmd walls --start rig.cal --out rig.cal --frames even",
-               "Ends with 0 (the file is written), 1 (--live: stopped, or the sensor sent nothing; "
-               "walls are kept) or 2 (bad input, walls that the model does not explain, or the "
-               "file cannot be written).");
+  show_example(
+      pmd, "stof calib pmd walls --start rig.cal --out rig.cal --frames even",
+      "Ends with 0 (the file is written), 1 (--live: stopped, or the sensor sent nothing, fell "
+      "silent or has no PMD camera; walls are kept) or 2 (bad input, walls that the model does not "
+      "explain, or the "
+      "file cannot be written).");
   pmd.add_option("DIR", options.folder, "Folder of the recordings; each json says \"z_m\"")
       ->required();
   pmd.add_option("--out", options.out, "The calibration file to write")->required();

@@ -8,12 +8,7 @@ the label's code, and then, by stof config:
 QEMU's network leads to the address that its DHCP server gives, and to no other. Five minutes.
 """
 
-import argparse
 import json
-import pathlib
-import re
-import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -66,9 +61,7 @@ class Sensor:
     def __init__(self, options, scene, image, work):
         self.work, self.card = work, work / "card.img"
         self.host_port = machine.free_udp_port()
-        said = flashed(image, self.card, scene.calibration)
-        self.code = work / "code"
-        self.code.write_text(re.search(r"^((?:[0-9a-f]{4}-){7}[0-9a-f]{4})$", said, re.MULTILINE)[1].replace("-", ""))
+        self.code = image_update.file_of_code(flashed(image, self.card, scene.calibration), work)
         self.owner = image_update.Owner(options.programs, work, types.SimpleNamespace(host_port=self.host_port))
 
     def start(self):
@@ -139,13 +132,7 @@ def after_a_restart(sensor, guest, report):
 
 
 def run(options):
-    work = pathlib.Path(options.work)
-    shutil.rmtree(work, ignore_errors=True)
-    work.mkdir(parents=True)
-    report = checks.Report()
-    scene = system_rig.Scene(options.programs, work.parent / "scenes")
-    image = work / "virt.img"
-    subprocess.run([ROOT / "scripts" / "image", "virt", "--out", image], check=True)
+    work, report, scene, image = image_update.begun(options)
     sensor = Sensor(options, scene, image, work)
     with sensor.start() as guest:
         if report.run("first_start", first_start, sensor, guest, report):
@@ -154,16 +141,11 @@ def run(options):
         print("  " + "\n  ".join(guest.console.other))
     with sensor.start() as guest:
         report.run("after_a_restart", after_a_restart, sensor, guest, report)
-    print(f"{report.passed} passed, {report.failed} failed")
-    return 1 if report.failed or not report.passed else 0
+    return image_update.ended(report)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--programs", default=ROOT / "build/emu/bin", help="this machine's stof, stofd and test programs")
-    parser.add_argument("--work", default=ROOT / "build/system/network")
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
-    return run(parser.parse_args())
+    return run(image_update.arguments(__doc__, "network").parse_args())
 
 
 if __name__ == "__main__":

@@ -170,19 +170,44 @@ def told(board):
         print(f"  start {number}, {start}:\n    " + "\n    ".join(board.said(number)[-14:]))
 
 
-def run(options):
+def begun(options):
+    """The folder of the work, empty; the report; the scenes; the image of scripts/image virt."""
     work = pathlib.Path(options.work)
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True)
-    report = checks.Report()
     scene = system_rig.Scene(options.programs, work.parent / "scenes")
     image = work / "virt.img"
     subprocess.run([ROOT / "scripts" / "image", "virt", "--out", image], check=True)
-    maker = Maker(image, work)
-    port, card = machine.free_udp_port(), work / "card.img"
-    said = image_boot.flashed(image, card, port, "dhcp", "--calibration", scene.calibration)
+    return work, checks.Report(), scene, image
+
+
+def file_of_code(said, work):
+    """With the label's code that scripts/flash said."""
     code = work / "code"
     code.write_text(re.search(r"^((?:[0-9a-f]{4}-){7}[0-9a-f]{4})$", said, re.MULTILINE)[1].replace("-", ""))
+    return code
+
+
+def ended(report):
+    """Prints the last line; the exit code."""
+    print(f"{report.passed} passed, {report.failed} failed")
+    return 1 if report.failed or not report.passed else 0
+
+
+def arguments(doc, name):
+    """What the programs about the image take. SIGTERM ends them from now on."""
+    parser = argparse.ArgumentParser(description=doc.splitlines()[0])
+    parser.add_argument("--programs", default=ROOT / "build/emu/bin", help="this machine's stof, stofd and test programs")
+    parser.add_argument("--work", default=ROOT / "build/system" / name)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    return parser
+
+
+def run(options):
+    work, report, scene, image = begun(options)
+    maker = Maker(image, work)
+    port, card = machine.free_udp_port(), work / "card.img"
+    code = file_of_code(image_boot.flashed(image, card, port, "dhcp", "--calibration", scene.calibration), work)
     if options.logs:
         shutil.copyfile(card, work / "before.img")
     with boot_rom.Board(scene, card, work, port, options.logs) as board:
@@ -213,17 +238,13 @@ def run(options):
                 if not options.case or name in options.case:
                     report.run(name, case)
         told(board)
-    print(f"{report.passed} passed, {report.failed} failed")
-    return 1 if report.failed or not report.passed else 0
+    return ended(report)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--programs", default=ROOT / "build/emu/bin", help="this machine's stof, stofd and test programs")
-    parser.add_argument("--work", default=ROOT / "build/system/update")
+    parser = arguments(__doc__, "update")
     parser.add_argument("--logs", action="store_true", help="leave what each start wrote, for image_cuts.py")
     parser.add_argument("--case", action="append", help="only these: updated, reverted (after it), ends_at_once, hangs_before_stofd, panics")
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     return run(parser.parse_args())
 
 

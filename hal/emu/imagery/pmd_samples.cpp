@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "dsp/base/fixed.h"
+#include "dsp/base/random.h"
 #include "hal/emu/imagery/noise.h"
 #include "hal/emu/imagery/phasor.h"
 #include "hal/emu/imagery/soften.h"
@@ -170,9 +172,68 @@ std::vector<double> blurred_starts(int count, double blur_px) {
   return out;
 }
 
+// Where a share of the light along one side starts, counted from the pixel's centre. share: 0..1.
+class Starts {
+ public:
+  explicit Starts(double blur_px)
+      : quantiles_(blur_px > 0 ? blurred_starts(kQuantiles, blur_px) : std::vector<double>()) {}
+
+  double at(double share) const {
+    if (quantiles_.empty()) {
+      return share - 0.5;
+    }
+    const double place = std::clamp(share * kQuantiles - 0.5, 0.0, kQuantiles - 1.0);
+    const auto before = std::min(static_cast<std::size_t>(place), std::size_t{kQuantiles - 2});
+    const double part = place - static_cast<double>(before);
+    return (1 - part) * quantiles_[before] + part * quantiles_[before + 1];
+  }
+
+ private:
+  static constexpr int kQuantiles = 1024;
+  std::vector<double> quantiles_;
+};
+
+// The step of a lattice of so many points whose rows are far apart whichever way one looks: without
+// a common factor, near to the golden section.
+int lattice_step(int count) {
+  constexpr double kGolden = 0.6180339887498949;
+  int step = static_cast<int>(std::lround(kGolden * count));
+  while (std::gcd(step, count) != 1) {
+    ++step;
+  }
+  return step;
+}
+
+double fraction(double x) { return x - std::floor(x); }
+
+std::vector<Vec3> scattered_rays(const dsp::Pinhole& lens, int count, double blur_px) {
+  std::vector<Vec3> out;
+  out.reserve(static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(lens.height) *
+              static_cast<std::size_t>(count));
+  const Starts starts(blur_px);
+  const int step = lattice_step(count);
+  for (int y = 0; y < lens.height; ++y) {
+    for (int x = 0; x < lens.width; ++x) {
+      dsp::SplitMix64 random(static_cast<std::uint64_t>(y * lens.width + x));
+      const double right = static_cast<double>(random.next() >> 11U) * 0x1p-53;
+      const double down = static_cast<double>(random.next() >> 11U) * 0x1p-53;
+      for (int i = 0; i < count; ++i) {
+        const double u = fraction(static_cast<double>(i) / count + right);
+        const double v = fraction(static_cast<double>(i * step % count) / count + down);
+        out.push_back(undistorted_ray(lens, x + starts.at(u), y + starts.at(v)));
+      }
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
-std::vector<Vec3> pmd_rays(const dsp::Pinhole& lens, int rays_per_side, double blur_px) {
+std::vector<Vec3> pmd_rays(const dsp::Pinhole& lens, int rays_per_side, double blur_px,
+                           RayPlaces places) {
+  if (places == RayPlaces::kScattered) {
+    return scattered_rays(lens, rays_per_side * rays_per_side, blur_px);
+  }
   std::vector<Vec3> out;
   out.reserve(static_cast<std::size_t>(lens.width * rays_per_side) *
               static_cast<std::size_t>(lens.height * rays_per_side));
@@ -195,6 +256,10 @@ std::vector<Vec3> pmd_rays(const dsp::Pinhole& lens, int rays_per_side, double b
     }
   }
   return out;
+}
+
+RayPlaces ray_places(const PmdModel& model) noexcept {
+  return model.scattered_rays ? RayPlaces::kScattered : RayPlaces::kGrid;
 }
 
 void render_pmd(const Scene& scene, const Viewpoint& viewpoint, const PmdCameraModel& camera,
@@ -233,7 +298,8 @@ CleanSamples render_pmd(const Scene& scene, const Viewpoint& viewpoint, const ds
                         dsp::Hertz modulation, const PmdModel& model,
                         std::span<const std::int16_t> pattern) {
   CleanSamples out{.mean = {lens.width, 4 * lens.height}, .sigma = {lens.width, 4 * lens.height}};
-  const std::vector<Vec3> rays = pmd_rays(lens, model.rays_per_side, model.blur_px);
+  const std::vector<Vec3> rays =
+      pmd_rays(lens, model.rays_per_side, model.blur_px, ray_places(model));
   render_pmd(
       scene, viewpoint,
       {.lens = lens, .modulation = modulation, .model = model, .rays = rays, .pattern = pattern},

@@ -23,10 +23,22 @@ struct CleanSamples {
   dataset::Image<std::uint16_t> sigma;  // of the noise
 };
 
-// The directions of every ray of a picture: of pixel after pixel, rays_per_side^2 each, row by row
-// within the pixel. With blur they start further out, as a Gaussian point spread of that standard
-// deviation spreads the light that a pixel collects.
-std::vector<Vec3> pmd_rays(const dsp::Pinhole& lens, int rays_per_side, double blur_px = 0);
+// Where the rays of a pixel start.
+enum class RayPlaces : std::uint8_t {
+  kGrid,  // row by row, alike in all pixels
+  // A lattice, shifted in each pixel by lot. A pixel collects light from all of its area: what so
+  // few rays make of an edge's share is off, in a grid by the same all along an upright edge, here
+  // by chance.
+  kScattered,
+};
+
+// The directions of every ray of a picture: of pixel after pixel, rays_per_side^2 each. With blur
+// they start further out, as a Gaussian point spread of that standard deviation spreads the light
+// that a pixel collects.
+std::vector<Vec3> pmd_rays(const dsp::Pinhole& lens, int rays_per_side, double blur_px = 0,
+                           RayPlaces places = RayPlaces::kGrid);
+
+RayPlaces ray_places(const PmdModel& model) noexcept;
 
 // A PMD camera that looks at scenes. Pattern: distance offset of each pixel in 1/65536 turn, row by
 // row, or empty; offset_m: what every pixel measures too much.

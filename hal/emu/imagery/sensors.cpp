@@ -32,7 +32,7 @@ Sensors::Sensors(const Rig& rig)
     fixed_pattern_ =
         make_pattern(rig.pmd_lens, rig.modulation, rig.pmd, stream_seed(rig.seed, 0, kPattern));
   }
-  pmd_rays_ = pmd_rays(rig.pmd_lens, rig.pmd.rays_per_side, rig.pmd.blur_px);
+  pmd_rays_ = pmd_rays(rig.pmd_lens, rig.pmd.rays_per_side, rig.pmd.blur_px, ray_places(rig.pmd));
   pmd_centres_ = pmd_rays(rig.pmd_lens, 1);
   calibration_.pmd = sensor_constants(rig.pmd_lens, rig.modulation, rig.pmd);
   calibration_.pmd.fixed_pattern = fixed_pattern_;

@@ -51,6 +51,7 @@ struct PmdModel {
   int beam_half_powers = 4;                                 // 2 m: the beam is cos^m
   std::vector<Vec3> emitters{{-0.03, 0, 0}, {0.03, 0, 0}};  // in the PMD frame
   int rays_per_side = 4;
+  bool scattered_rays = false;   // each pixel's in places of its own; else a grid, alike in all
   double blur_px = 0;            // standard deviation of the lens's Gaussian point spread
   double pattern_rms_m = 0.003;  // distance offset of each pixel, known to the calibration
 };

@@ -27,6 +27,28 @@ Eigen::MatrixXd normal_equations(const ceres::CRSMatrix& jacobian) {
 
 }  // namespace
 
+std::optional<NormalEquations> normal_equations(
+    ceres::Problem& problem, const std::vector<ceres::ResidualBlockId>& residuals,
+    const std::vector<double*>& unknowns) {
+  ceres::Problem::EvaluateOptions options;
+  options.apply_loss_function = false;
+  options.residual_blocks = residuals;
+  options.parameter_blocks = unknowns;
+  std::vector<double> off;
+  ceres::CRSMatrix jacobian;
+  if (!problem.Evaluate(options, nullptr, &off, nullptr, &jacobian)) {
+    return std::nullopt;
+  }
+  NormalEquations made{.matrix = normal_equations(jacobian),
+                       .right = Eigen::VectorXd::Zero(jacobian.num_cols)};
+  for (int row = 0; row < jacobian.num_rows; ++row) {
+    for (int a = jacobian.rows[index(row)]; a < jacobian.rows[index(row) + 1]; ++a) {
+      made.right(jacobian.cols[index(a)]) += jacobian.values[index(a)] * off[index(row)];
+    }
+  }
+  return made;
+}
+
 std::optional<Eigen::MatrixXd> fit_covariance(ceres::Problem& problem,
                                               const std::vector<double*>& unknowns) {
   ceres::Problem::EvaluateOptions options;

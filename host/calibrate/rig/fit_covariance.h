@@ -16,4 +16,14 @@ namespace stof::host {
 std::optional<Eigen::MatrixXd> fit_covariance(ceres::Problem& problem,
                                               const std::vector<double*>& unknowns);
 
+// J^T J and J^T r of some of its residual blocks, in whose standard deviations they are; every
+// residual counts in full.
+struct NormalEquations {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd right;
+};
+std::optional<NormalEquations> normal_equations(
+    ceres::Problem& problem, const std::vector<ceres::ResidualBlockId>& residuals,
+    const std::vector<double*>& unknowns);
+
 }  // namespace stof::host

@@ -65,7 +65,9 @@ std::optional<dsp::Pinhole> lens_of(const wire::CalibrationPacket& told, int wid
 
 struct RawFeed::Parts {
   Parts(ReceiveOptions where, const RawFeedOptions& what)
-      : options(std::move(where)), receiver(open_receiver(options, request_of(what))) {}
+      : options(std::move(where)),
+        pmd(what.pmd),
+        receiver(open_receiver(options, request_of(what))) {}
 
   // The thread.
   void run(const std::stop_token& stop) {
@@ -94,13 +96,31 @@ struct RawFeed::Parts {
                (receiver.link().frame_age ? "no frame came any more" + ended_text(receiver, options)
                                           : no_frame_text(receiver, options));
       }
-      // Who is denied them is so for good; another one's end some time.
-      if (now - seen > 2 * patience ||
-          receiver.raw_refusal() == wire::SubscribeResult::kRawDenied) {
-        return place_of(receiver) + ": no raw pictures came" + raw_absence(receiver.raw_refusal());
+      if (std::optional<std::string> why = absence(now - seen, patience)) {
+        return why;
       }
     }
     return std::nullopt;
+  }
+
+  // Why there are no raw pictures, where none came for so long.
+  std::optional<std::string> absence(client::Time::duration since,
+                                     std::chrono::duration<double> patience) const {
+    const wire::SubscribeResult refusal = receiver.raw_refusal();
+    if (refusal == wire::SubscribeResult::kOk && since > patience && lacks_pmd()) {
+      return place_of(receiver) +
+             ": the sensor has no PMD camera: connect it, or name a sensor that has one";
+    }
+    // Who is denied them is so for good; another one's end some time.
+    if (since > 2 * patience || refusal == wire::SubscribeResult::kRawDenied) {
+      return place_of(receiver) + ": no raw pictures came" + raw_absence(refusal);
+    }
+    return std::nullopt;
+  }
+
+  // Whether a PMD camera is asked for and the sensor's calibration knows none.
+  bool lacks_pmd() const {
+    return pmd && receiver.calibration() && receiver.calibration()->pmd_width == 0;
   }
 
   bool take_raw() {
@@ -128,6 +148,7 @@ struct RawFeed::Parts {
   }
 
   ReceiveOptions options;
+  bool pmd;                   // is asked for
   client::Receiver receiver;  // of the thread alone
   std::mutex mutex;           // of what follows
   std::condition_variable changed;

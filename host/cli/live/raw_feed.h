@@ -38,7 +38,8 @@ class RawFeed {
 
   // The next exposure, one that was not returned before; none after `patience`. Throws Failure
   // (exit code 1) with one line where the sensor was silent for ReceiveOptions::timeout_s, or sends
-  // frames and no raw pictures: it refuses them, another one has them, it has none.
+  // frames and no raw pictures: it refuses them, another one has them, it has none, or no PMD
+  // camera where one is asked for.
   std::optional<RawShot> next(std::chrono::milliseconds patience);
 
   // The left camera as depth is told in, by the sensor's own calibration; of the raw pictures it is

@@ -83,6 +83,7 @@ ordered_json walls_json(const CalibFolderOptions& options, const ExtrinsicFit& f
 ordered_json boards_json(const CalibFolderOptions& options, const ExtrinsicFit& fit,
                          const PmdBoardViews& found) {
   ordered_json json = place_json(options, fit);
+  json["misfit"] = fit.misfit;
   json["views"] = ordered_json::array();
   for (std::size_t n = 0; n < found.views.size(); ++n) {
     json["views"].push_back(

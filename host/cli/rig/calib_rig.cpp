@@ -14,8 +14,10 @@ namespace stof::host {
 namespace {
 
 constexpr const char* kCalibEnds =
-    "Ends with 0 (the file is written), 1 (the sensor sent nothing, or fell silent) or 2 (bad "
-    "input, views are missing, or the file cannot be written).";
+    "Ends with 0 (the file is written), 1 (stopped, the sensor sent nothing, fell silent, or has "
+    "no "
+    "PMD camera that is asked for; views are kept) or 2 (bad input, views are missing, or the file "
+    "cannot be written).";
 
 void add_out(CLI::App& command, std::filesystem::path& out) {
   command.add_option("--out", out, "The calibration file to write")->required();

@@ -217,5 +217,50 @@ TEST(PmdRays, OfABlurredPixelHaveItsVariance) {
   }
 }
 
+TEST(PmdRays, ScatteredOnesFillEachPixelEvenlyAndInPlacesOfItsOwn) {
+  const dsp::Pinhole lens{.width = 40, .height = 1, .fx = 1, .fy = 1};
+  const std::vector<Vec3> rays = pmd_rays(lens, 8, 0, RayPlaces::kScattered);
+  ASSERT_EQ(rays.size(), 40U * 64U);
+  const std::vector<Vec3> grid = pmd_rays(lens, 8);
+  double worst_in_grid = 0;
+  double square = 0;
+  for (std::size_t pixel = 0; pixel < 40; ++pixel) {
+    // An edge that is nearly upright: how much of the pixel lies to the left of it.
+    const auto left_of = [&](const std::vector<Vec3>& all, double edge) {
+      double share = 0;
+      for (std::size_t i = 0; i < 64; ++i) {
+        const Vec3& ray = all[pixel * 64 + i];
+        EXPECT_LE(std::abs(ray.x - static_cast<double>(pixel)), 0.5);
+        EXPECT_LE(std::abs(ray.y), 0.5);
+        share += ray.x - static_cast<double>(pixel) < edge + 0.01 * ray.y ? 1.0 / 64 : 0;
+      }
+      return share;
+    };
+    for (double edge = -0.45; edge < 0.45; edge += 0.03) {
+      const double off = left_of(rays, edge) - (edge + 0.5);
+      EXPECT_LT(std::abs(off), 0.03);
+      square += off * off / (40 * 30);
+      worst_in_grid = std::max(worst_in_grid, std::abs(left_of(grid, edge) - (edge + 0.5)));
+    }
+  }
+  EXPECT_LT(std::sqrt(square), 0.01);
+  EXPECT_GT(worst_in_grid, 0.05);
+  EXPECT_NE(rays[0].x, rays[64].x - 1);
+  EXPECT_EQ(pmd_rays(lens, 8, 0, RayPlaces::kScattered)[77].x, rays[77].x);
+}
+
+TEST(PmdRays, ScatteredOnesOfABlurredPixelHaveItsVariance) {
+  const dsp::Pinhole lens{.width = 50, .height = 1, .fx = 1, .fy = 1};
+  for (const double sigma : {0.3, 1.5}) {
+    const std::vector<Vec3> rays = pmd_rays(lens, 8, sigma, RayPlaces::kScattered);
+    double square = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const double x = rays[i].x - static_cast<double>(i / 64);
+      square += x * x / static_cast<double>(rays.size());
+    }
+    EXPECT_NEAR(square / (1.0 / 12 + sigma * sigma), 1, 0.03);
+  }
+}
+
 }  // namespace
 }  // namespace stof::test

@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Cholesky>
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 #include <opencv2/imgproc.hpp>
 
 #include "dsp/base/index.h"
 #include "dsp/calib/stereo/rectification.h"
+#include "host/calibrate/rig/extrinsics/corner_noise.h"
 #include "host/calibrate/rig/fit_covariance.h"
 #include "host/calibrate/rig/target/board_pose.h"
 #include "host/calibrate/rig/target/corner_refiner.h"
+#include "host/calibrate/rig/target/corner_whitening.h"
 
 namespace stof::host {
 namespace {
@@ -19,9 +22,7 @@ namespace {
 using dsp::index;
 using RowMatrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr int kRounds = 3;  // of fits, each with the scatter that the one before it found
-constexpr double kFirstPairPx = 0.1;
-constexpr double kFirstPmdPx = 0.1;
+constexpr int kRounds = 4;  // of fits, each with the noise that the one before it found
 constexpr double kHuberSigmas = 3;
 constexpr int kEnlarged = 4;
 constexpr double kWhite = 250;
@@ -44,15 +45,16 @@ std::array<T, 3> times(const Matrix3& m, const std::array<T, 3>& p) {
 
 template <typename T>
 bool off(const LensUnknowns& lens, const std::array<T, 3>& point, const PixelPoint& found,
-         double sigma, T* residual) {
+         const Whitening& whitening, T* residual) {
   std::array<T, kLensUnknowns> numbers;
   std::ranges::transform(lens, numbers.begin(), [](double x) { return T(x); });
   std::array<T, 2> pixel;
   if (!project(numbers.data(), point, pixel)) {
     return false;
   }
-  residual[0] = (found.u - pixel[0]) / sigma;
-  residual[1] = (found.v - pixel[1]) / sigma;
+  residual[0] = found.u - pixel[0];
+  residual[1] = found.v - pixel[1];
+  whitening.apply(residual);
   return true;
 }
 
@@ -62,14 +64,14 @@ struct EyeCorner {
   PoseUnknowns from_left;
   std::array<double, 2> on_board;
   PixelPoint found;
-  double sigma;
+  Whitening whitening;
 
   template <typename T>
   bool operator()(const T* board, T* residual) const {
     std::array<T, kPoseUnknowns> eye;
     std::ranges::transform(from_left, eye.begin(), [](double x) { return T(x); });
     return off(lens, moved(eye.data(), moved(board, {T(on_board[0]), T(on_board[1]), T(0)})), found,
-               sigma, residual);
+               whitening, residual);
   }
 };
 
@@ -79,7 +81,7 @@ struct PmdCorner {
   Matrix3 start_back;  // R^T of the start
   std::array<double, 2> on_board;
   PixelPoint found;
-  double sigma;
+  Whitening whitening;
 
   // pose: a small turn behind the start's, and T.
   template <typename T>
@@ -91,46 +93,61 @@ struct PmdCorner {
     const T back[3] = {-pose[0], -pose[1], -pose[2]};
     std::array<T, 3> turned;
     ceres::AngleAxisRotatePoint(back, point.data(), turned.data());
-    return off(lens, times(start_back, turned), found, sigma, residual);
+    return off(lens, times(start_back, turned), found, whitening, residual);
   }
 };
 
-double rms_of(ceres::Problem& problem, const std::vector<ceres::ResidualBlockId>& blocks) {
+// A corner in the problem.
+struct Block {
+  ceres::ResidualBlockId id;
+  PixelPoint found;
+  Whitening whitening;
+};
+
+// Each block's, in standard deviations.
+std::vector<double> residuals_of(ceres::Problem& problem, const std::vector<Block>& blocks) {
   ceres::Problem::EvaluateOptions options;
-  options.residual_blocks = blocks;
   options.apply_loss_function = false;
-  double cost = 0;
-  problem.Evaluate(options, &cost, nullptr, nullptr, nullptr);
-  return std::sqrt(2 * cost / static_cast<double>(2 * blocks.size()));
+  for (const Block& block : blocks) {
+    options.residual_blocks.push_back(block.id);
+  }
+  std::vector<double> residuals;
+  problem.Evaluate(options, nullptr, &residuals, nullptr, nullptr);
+  return residuals;
 }
 
-struct Scatter {
-  double pair_px = kFirstPairPx;
-  double pmd_px = kFirstPmdPx;
+struct RigNoise {
+  CornerNoise pair;
+  CornerNoise pmd;
 };
 
 class BoardProblem {
  public:
   BoardProblem(const Board& board, const std::vector<PmdBoardView>& views, const FixedPair& pair,
                const dsp::Pinhole& pmd, const PoseUnknowns& start,
-               const std::vector<PoseUnknowns>& boards, const Scatter& scatter)
+               const std::vector<PoseUnknowns>& boards, const RigNoise& noise)
       : start_(rotation_of(start)),
         pose_{0, 0, 0, start[3], start[4], start[5]},
         boards_(boards),
-        of_view_(views.size()) {
+        of_view_(views.size()),
+        blocks_(views.size()) {
     const PoseUnknowns home{};
     const Matrix3 left_turn = Eigen::Map<const RowMatrix>(pair.left_turn.data());
     for (std::size_t n = 0; n < views.size(); ++n) {
-      add_eye(board, views[n].pair.left, pair.rig.left, home, scatter, n);
-      add_eye(board, views[n].pair.right, pair.rig.right, pose_of(pair.rig.left_to_right), scatter,
-              n);
+      add_eye(board, views[n].pair.left, pair.rig.left, home, noise.pair, n);
+      add_eye(board, views[n].pair.right, pair.rig.right, pose_of(pair.rig.left_to_right),
+              noise.pair, n);
       for (std::size_t i = 0; i < views[n].pmd.size(); ++i) {
-        of_view_[n].push_back(problem_.AddResidualBlock(
+        const PixelPoint& found = views[n].pmd[i];
+        const Whitening whitening = whitening_of(found, noise.pmd.scale, noise.pmd.floor);
+        const ceres::ResidualBlockId id = problem_.AddResidualBlock(
             new ceres::AutoDiffCostFunction<PmdCorner, 2, kPoseUnknowns, kPoseUnknowns>(
                 new PmdCorner{unknowns_of(pmd), left_turn, start_.transpose(),
-                              board.at(static_cast<int>(i)), views[n].pmd[i], scatter.pmd_px}),
-            new ceres::HuberLoss(kHuberSigmas), pose_.data(), boards_[n].data()));
+                              board.at(static_cast<int>(i)), found, whitening}),
+            new ceres::HuberLoss(kHuberSigmas), pose_.data(), boards_[n].data());
+        of_view_[n].push_back({id, found, whitening});
         pmd_.push_back(of_view_[n].back());
+        blocks_[n].push_back(id);
       }
     }
   }
@@ -152,14 +169,44 @@ class BoardProblem {
   }
   const std::vector<PoseUnknowns>& boards() const { return boards_; }
   // What corners scatter by: unknowns take some of it away.
-  Scatter scatter(const Scatter& told) {
+  RigNoise noise(const RigNoise& told) {
     const auto corners = static_cast<double>(2 * (pair_.size() + pmd_.size()));
     const auto unknowns = static_cast<double>(kPoseUnknowns * (1 + boards_.size()));
-    const double taken = std::sqrt(corners / (corners - unknowns));
-    return {told.pair_px * rms_of(problem_, pair_) * taken,
-            told.pmd_px * rms_of(problem_, pmd_) * taken};
+    const double freedom = (corners - unknowns) / corners;
+    return {.pair = corner_noise(off_of(pair_), freedom, told.pair),
+            .pmd = corner_noise(off_of(pmd_), freedom, told.pmd)};
   }
-  double view_misfit(std::size_t n) { return rms_of(problem_, of_view_[n]); }
+  double view_misfit(std::size_t n) {
+    double sum = 0;
+    for (const double residual : residuals_of(problem_, of_view_[n])) {
+      sum += residual * residual;
+    }
+    return std::sqrt(sum / static_cast<double>(2 * of_view_[n].size()));
+  }
+
+  // How far views place the PMD camera apart, each by itself, over what their corners' scatter
+  // tells: squared, over its freedom (Birge 1932), near 1 where corners of a view are off
+  // independently. None where a view places nothing.
+  std::optional<double> disagreement() {
+    using Square = Eigen::Matrix<double, 6, 6>;
+    double sum = 0;
+    for (std::size_t n = 0; n < boards_.size(); ++n) {
+      const std::optional<NormalEquations> view =
+          normal_equations(problem_, blocks_[n], {pose_.data(), boards_[n].data()});
+      if (!view) {
+        return std::nullopt;
+      }
+      // The board's pose is the view's own: what is left of the equations tells the camera's place.
+      const Square both = view->matrix.topRightCorner<6, 6>();
+      const Eigen::LDLT<Square> board(Square(view->matrix.bottomRightCorner<6, 6>()));
+      const Square left = view->matrix.topLeftCorner<6, 6>() - both * board.solve(both.transpose());
+      const Eigen::Matrix<double, 6, 1> right =
+          view->right.head<6>() - both * board.solve(view->right.tail<6>());
+      sum += right.dot(Eigen::LDLT<Square>(left).solve(right));
+    }
+    const double found = sum / static_cast<double>(kPoseUnknowns * (boards_.size() - 1));
+    return found > 0 && std::isfinite(found) ? std::optional(found) : std::nullopt;
+  }
 
   std::optional<Eigen::Matrix<double, 6, 6>> covariance() {
     std::vector<double*> unknowns{pose_.data()};
@@ -173,23 +220,37 @@ class BoardProblem {
 
  private:
   void add_eye(const Board& board, const std::vector<PixelPoint>& corners, const dsp::Pinhole& lens,
-               const PoseUnknowns& from_left, const Scatter& scatter, std::size_t n) {
+               const PoseUnknowns& from_left, const CornerNoise& noise, std::size_t n) {
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      pair_.push_back(problem_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<EyeCorner, 2, kPoseUnknowns>(
-              new EyeCorner{unknowns_of(lens), from_left, board.at(static_cast<int>(i)), corners[i],
-                            scatter.pair_px}),
-          new ceres::HuberLoss(kHuberSigmas), boards_[n].data()));
+      const Whitening whitening = whitening_of(corners[i], noise.scale, noise.floor);
+      const ceres::ResidualBlockId id = problem_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<EyeCorner, 2, kPoseUnknowns>(new EyeCorner{
+              unknowns_of(lens), from_left, board.at(static_cast<int>(i)), corners[i], whitening}),
+          new ceres::HuberLoss(kHuberSigmas), boards_[n].data());
+      pair_.push_back({id, corners[i], whitening});
+      blocks_[n].push_back(id);
     }
+  }
+
+  std::vector<CornerOff> off_of(const std::vector<Block>& blocks) {
+    const std::vector<double> residuals = residuals_of(problem_, blocks);
+    std::vector<CornerOff> off;
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      const Whitening& w = blocks[i].whitening;
+      const double u = residuals[2 * i] / w.uu;
+      off.push_back({blocks[i].found, u, (residuals[2 * i + 1] - w.vu * u) / w.vv});
+    }
+    return off;
   }
 
   Matrix3 start_;
   PoseUnknowns pose_;
   std::vector<PoseUnknowns> boards_;
   ceres::Problem problem_;
-  std::vector<ceres::ResidualBlockId> pair_;
-  std::vector<ceres::ResidualBlockId> pmd_;
-  std::vector<std::vector<ceres::ResidualBlockId>> of_view_;
+  std::vector<Block> pair_;
+  std::vector<Block> pmd_;
+  std::vector<std::vector<Block>> of_view_;                  // of the PMD camera
+  std::vector<std::vector<ceres::ResidualBlockId>> blocks_;  // of each view, of all cameras
 };
 
 // From the first view's poses to both cameras.
@@ -233,26 +294,28 @@ std::optional<ExtrinsicFit> fit_extrinsics(const Board& board,
     }
     boards.push_back(*by_left);
   }
-  Scatter scatter;
+  RigNoise noise;
   for (int round = 0;; ++round) {
-    BoardProblem problem(board, views, pair, pmd, *pose, boards, scatter);
+    BoardProblem problem(board, views, pair, pmd, *pose, boards, noise);
     if (!problem.solve()) {
       return std::nullopt;
     }
     pose = problem.pose();
     if (round + 1 < kRounds) {
       boards = problem.boards();
-      scatter = problem.scatter(scatter);
+      noise = problem.noise(noise);
       continue;
     }
     ExtrinsicFit fit;
     fit.pmd_to_stereo = *pose;
     const std::optional<Eigen::Matrix<double, 6, 6>> covariance = problem.covariance();
-    if (!covariance) {
+    const std::optional<double> disagreement = problem.disagreement();
+    if (!covariance || !disagreement) {
       return std::nullopt;
     }
-    fit.covariance = *covariance;
-    fit.misfit = 1;
+    // Corners of a view share errors that their scatter does not show; views do not.
+    fit.misfit = *disagreement;
+    fit.covariance = fit.misfit * *covariance;
     for (std::size_t n = 0; n < views.size(); ++n) {
       fit.wall_misfit.push_back(problem.view_misfit(n));
     }
@@ -261,7 +324,7 @@ std::optional<ExtrinsicFit> fit_extrinsics(const Board& board,
 }
 
 std::vector<PixelPoint> corners_in_amplitude(const dataset::Image<float>& amplitude,
-                                             const Board& board) {
+                                             const dsp::Pinhole& lens, const Board& board) {
   const float most = std::ranges::max(amplitude.pixels);
   if (!(most > 0)) {
     return {};
@@ -279,7 +342,7 @@ std::vector<PixelPoint> corners_in_amplitude(const dataset::Image<float>& amplit
   for (int y = 0; y < large.rows; ++y) {
     std::copy_n(large.ptr<std::uint8_t>(y), large.cols, picture.view().row(y).begin());
   }
-  const std::optional<FoundBoard> found = find_board(picture, board);
+  const std::optional<FoundBoard> found = find_board_roughly(picture, board);
   if (!found) {
     return {};
   }
@@ -289,7 +352,7 @@ std::vector<PixelPoint> corners_in_amplitude(const dataset::Image<float>& amplit
     corners.push_back({(p.u + 0.5) / kEnlarged - 0.5, (p.v + 0.5) / kEnlarged - 0.5});
   }
   // Enlarging invents nothing: where a corner is, the picture itself tells.
-  refine_corners(amplitude, board, corners);
+  refine_corners(amplitude, board, corners, {.lens = &lens});
   return corners;
 }
 

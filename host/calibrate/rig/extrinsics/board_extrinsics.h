@@ -28,13 +28,17 @@ FixedPair fixed_pair(const dsp::StereoRig& rig);
 inline constexpr std::size_t kFewestBoardViews = 5;
 
 // ExtrinsicFit: no offset; wall_misfit is each view's rms of PMD corners over what they scatter by
-// in all views. None of fewer than kFewestBoardViews views, or where it does not converge.
+// in all views; misfit is how far views disagree of the PMD camera's place, squared, over what
+// corners that are off independently make of it, and the covariance is of that. The lenses and the
+// pair are taken as they are: what they are uncertain by is not in it. None of fewer than
+// kFewestBoardViews views, or where it does not converge.
 std::optional<ExtrinsicFit> fit_extrinsics(const Board& board,
                                            const std::vector<PmdBoardView>& views,
                                            const FixedPair& pair, const dsp::Pinhole& pmd);
 
-// Corners in an amplitude picture (any unit), which is enlarged for the finder. Empty: not found.
+// Corners in an amplitude picture (any unit) of a camera with that lens. The picture is enlarged
+// for the finder. Empty: not found.
 std::vector<PixelPoint> corners_in_amplitude(const dataset::Image<float>& amplitude,
-                                             const Board& board);
+                                             const dsp::Pinhole& lens, const Board& board);
 
 }  // namespace stof::host

@@ -35,6 +35,7 @@ dataset::Loaded<PmdBoardViews> read_board_views(const std::filesystem::path& dir
   if (!pairs) {
     return std::unexpected(pairs.error());
   }
+  const dsp::RawPair eyes = fixed_pair(calibration.stereo).rig;
   PmdBoardViews found;
   for (const std::filesystem::path& folder : *pairs) {
     const dataset::Loaded<Pair> pair = read_pair(folder);
@@ -51,10 +52,10 @@ dataset::Loaded<PmdBoardViews> read_board_views(const std::filesystem::path& dir
       return dataset::refuse(folder, "is of another size than the calibration's cameras",
                              "give the calibration of this rig");
     }
-    const std::optional<FoundBoard> by_left = find_board(pair->left, board);
-    const std::optional<FoundBoard> by_right = find_board(pair->right, board);
-    std::vector<PixelPoint> by_pmd =
-        corners_in_amplitude(mean_amplitude(calibration.pmd, *recording), board);
+    const std::optional<FoundBoard> by_left = find_board_through(eyes.left, pair->left, board);
+    const std::optional<FoundBoard> by_right = find_board_through(eyes.right, pair->right, board);
+    std::vector<PixelPoint> by_pmd = corners_in_amplitude(
+        mean_amplitude(calibration.pmd, *recording), calibration.pmd.lens, board);
     if (!by_left || !by_right || by_pmd.empty()) {
       const char* who = by_right ? "PMD" : "right";
       who = by_left ? who : "left";

@@ -154,7 +154,10 @@ std::string extrinsics_text(const ExtrinsicFit& fit, const FoundWalls& found) {
 }
 
 std::string board_extrinsics_text(const ExtrinsicFit& fit, const PmdBoardViews& found) {
-  std::string text = printed("%zu views of the board\n", found.views.size()) + place_rows(fit);
+  std::string text =
+      printed("%zu views of the board, misfit %.2f (1: views agree as corners scatter)\n",
+              found.views.size(), fit.misfit) +
+      place_rows(fit);
   text += "  view              off, sigmas\n";
   for (std::size_t n = 0; n < found.views.size(); ++n) {
     text += printed("  %-17s %11.1f\n", found.views[n].pair.name.c_str(), fit.wall_misfit[n]);

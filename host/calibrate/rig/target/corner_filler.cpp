@@ -67,7 +67,8 @@ void fill_corners(const dataset::Image<std::uint8_t>& picture, const Board& boar
       return;
     }
     const std::vector<PixelPoint> given = with_expected;
-    const std::vector<bool> fitted = refine_corners(picture, board, with_expected, asked);
+    const std::vector<bool> fitted =
+        refine_corners(picture, board, with_expected, {.asked = asked});
     more = false;
     for (std::size_t i = 0; i < corners.size(); ++i) {
       const double off =

@@ -184,6 +184,20 @@ void refine(const cv::Mat& picture, Grid& grid) {
       cv::TermCriteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, kMostSteps, kSmallestStep));
 }
 
+// lens: nullptr where it is not known.
+std::optional<FoundBoard> find_refined(const dataset::Image<std::uint8_t>& picture,
+                                       const Board& board, const dsp::Pinhole* lens) {
+  std::optional<FoundBoard> found = find_board_roughly(picture, board);
+  if (found) {
+    refine_corners(picture, board, found->corners, {.lens = lens});
+    if (board.has_markers()) {
+      fill_corners(picture, board, found->corners);
+    }
+    found->blur_px = edge_blur(picture, board, found->corners);
+  }
+  return found;
+}
+
 }  // namespace
 
 std::optional<FoundBoard> find_board_roughly(const dataset::Image<std::uint8_t>& picture,
@@ -213,15 +227,13 @@ std::optional<FoundBoard> find_board_roughly(const dataset::Image<std::uint8_t>&
 
 std::optional<FoundBoard> find_board(const dataset::Image<std::uint8_t>& picture,
                                      const Board& board) {
-  std::optional<FoundBoard> found = find_board_roughly(picture, board);
-  if (found) {
-    refine_corners(picture, board, found->corners);
-    if (board.has_markers()) {
-      fill_corners(picture, board, found->corners);
-    }
-    found->blur_px = edge_blur(picture, board, found->corners);
-  }
-  return found;
+  return find_refined(picture, board, nullptr);
+}
+
+std::optional<FoundBoard> find_board_through(const dsp::Pinhole& lens,
+                                             const dataset::Image<std::uint8_t>& picture,
+                                             const Board& board) {
+  return find_refined(picture, board, &lens);
 }
 
 double edge_blur(const dataset::Image<std::uint8_t>& picture, const Board& board,

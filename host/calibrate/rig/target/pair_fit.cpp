@@ -9,6 +9,7 @@
 
 #include "host/calibrate/rig/fit_covariance.h"
 #include "host/calibrate/rig/target/board_pose.h"
+#include "host/calibrate/rig/target/corner_whitening.h"
 
 namespace stof::host {
 namespace {
@@ -44,27 +45,9 @@ double usual_variance(const std::vector<PairView>& views) {
   return *middle;
 }
 
-// Turns what a corner is off into what a usual corner would be that is as unlikely: the inverse of
-// the covariance's Cholesky factor (whitening), times the usual standard deviation.
-struct Whitening {
-  double uu = 1;
-  double vu = 0;
-  double vv = 1;
-
-  template <typename T>
-  void apply(T* off) const {
-    off[1] = vu * off[0] + vv * off[1];
-    off[0] = uu * off[0];
-  }
-};
-
+// What a corner is off becomes what a usual corner would be that is as unlikely.
 Whitening whitening_of(const PixelPoint& corner, double usual) {
-  const double floor = kLeastSigmaPx * kLeastSigmaPx;
-  const double first = std::sqrt(corner.uu + floor);
-  const double below = corner.uv / first;
-  const double second = std::sqrt(corner.vv + floor - below * below);
-  const double sigma = std::sqrt(usual);
-  return {.uu = sigma / first, .vu = -sigma * below / (first * second), .vv = sigma / second};
+  return whitening_of(corner, 1 / usual, kLeastSigmaPx * kLeastSigmaPx / usual);
 }
 
 template <typename T>

@@ -90,6 +90,63 @@ TEST(CornerRefiner, TakesBlurAndLightThatFallsOff) {
   EXPECT_LT(rms(corners, truth), kClosePx);
 }
 
+// How far corners are off on the mean, along the way from the picture's middle: what edges that are
+// bent do alike to all of them, px.
+double outwards(const std::vector<PixelPoint>& found, const std::vector<PixelPoint>& truth,
+                const dsp::Pinhole& lens) {
+  double sum = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const Eigen::Vector2d way(truth[i].u - lens.cx, truth[i].v - lens.cy);
+    sum += Eigen::Vector2d(found[i].u - truth[i].u, found[i].v - truth[i].v).dot(way.normalized());
+  }
+  return sum / static_cast<double>(truth.size());
+}
+
+TEST(CornerRefiner, BendsEdgesAsTheLensDoes) {
+  Gaussian random(7);
+  const Board board = named("9x6:0.06");
+  const PlaneCamera bent(
+      {.width = 176, .height = 144, .fx = 120, .fy = 120, .cx = 88, .cy = 72, .k1 = -0.25}, 10);
+  const PoseUnknowns pose = board_at(board, Vector3(0, 0, 0.6), Vector3(0.1, 0.1, 0.1));
+  const std::vector<PixelPoint> truth = test::seen_by(bent.lens(), pose, board, 0, random);
+  ASSERT_FALSE(truth.empty());
+  const dataset::Image<std::uint8_t> picture = bent.picture(pose, texture_of(board), 0.5, random);
+  const std::vector<PixelPoint> given = begun(truth, random);
+  std::vector<PixelPoint> straight = given;
+  refine_corners(picture, board, straight);
+  std::vector<PixelPoint> corners = given;
+  refine_corners(picture, board, corners, {.lens = &bent.lens()});
+  std::printf("figure: corners are off outwards by %.4f px, by %.4f px where edges are straight\n",
+              outwards(corners, truth, bent.lens()), outwards(straight, truth, bent.lens()));
+  EXPECT_LT(std::abs(outwards(corners, truth, bent.lens())), 0.003);
+  EXPECT_GT(std::abs(outwards(straight, truth, bent.lens())), 0.01);
+  EXPECT_LT(rms(corners, truth), kClosePx);
+}
+
+// The same from light that falls off by the same share everywhere.
+TEST(CornerRefiner, IsNotDrawnToTheLight) {
+  Gaussian random(9);
+  const Board board = named("9x6:0.04");
+  const test::Texture print = texture_of(board);
+  const test::Texture lit = [&](double x, double y) { return print(x, y) * std::exp(-4 * x + y); };
+  const PoseUnknowns pose = board_at(board, Vector3(0, 0, 0.5), Vector3(0.1, 0.1, 0.05));
+  const std::vector<PixelPoint> truth = test::seen_by(camera().lens(), pose, board, 0, random);
+  std::vector<PixelPoint> corners = begun(truth, random);
+  refine_corners(camera().picture(pose, lit, 0.5, random), board, corners,
+                 {.lens = &camera().lens()});
+  double u = 0;
+  double v = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    // Black squares above are white ones below: corners are drawn to opposite sides in turn.
+    const double sign = (i / 9 + i % 9) % 2 == 0 ? 1 : -1;
+    u += sign * (corners[i].u - truth[i].u) / static_cast<double>(truth.size());
+    v += sign * (corners[i].v - truth[i].v) / static_cast<double>(truth.size());
+  }
+  std::printf("figure: corners are drawn by the light by %.4f and %.4f px\n", u, v);
+  EXPECT_LT(std::hypot(u, v), 0.003);
+  EXPECT_LT(rms(corners, truth), kClosePx);
+}
+
 TEST(CornerRefiner, TakesSquaresOfFivePixels) {
   Gaussian random(3);
   const Board board = named("9x6:0.06");
@@ -202,7 +259,7 @@ TEST(CornerRefiner, FitsThoseThatAreAskedForAsItFitsAll) {
   std::vector<PixelPoint> some = given;
   std::vector<bool> asked(given.size());
   asked[7] = asked[30] = true;
-  EXPECT_EQ(refine_corners(picture, board, some, asked), asked);
+  EXPECT_EQ(refine_corners(picture, board, some, {.asked = asked}), asked);
   for (std::size_t i = 0; i < given.size(); ++i) {
     const PixelPoint& wanted = asked[i] ? all[i] : given[i];
     EXPECT_TRUE(some[i].u == wanted.u && some[i].v == wanted.v) << i;

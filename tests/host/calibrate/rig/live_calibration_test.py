@@ -21,6 +21,8 @@ STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
 EMU_PAIR = [word for word in os.environ.get("STOF_EMU_PAIR", "").split("|") if word]
 ENOUGH_S = 200
 SIZE = ["--size", "320x240"]
+# A rig of few pixels whose PMD camera looks out beside the left one, as on a bench.
+BESIDE = ["--size", "64x48", "--pmd", "44x36", "--pmd-place", "0,0,0,0,0,0", "--pmd-light", "1"]
 WAVE = ["--scene", "board:chess,9x6,0.06", "--poses", "wave:4,10", "--hold", "60", "--no-tof"]
 TAKEN = re.compile(r"(view_\d{3}): taken \(corners moved by (\d+\.\d+) px, edges are (\d+\.\d+) px wide\), (\d+) in all; missing: ")
 
@@ -36,7 +38,8 @@ class LiveCalibration(unittest.TestCase):
     def start(self, *flags):
         """A sensor; where it takes requests."""
         port = self.folder / "port"
-        sensor = subprocess.Popen([*STOFD, *SIZE, "--period-ms", "100", "--port", "0", "--port-file", port, "--set", "discovery.mdns=false", "--set",
+        port.unlink(missing_ok=True)
+        sensor = self.sensor = subprocess.Popen([*STOFD, *SIZE, "--period-ms", "100", "--port", "0", "--port-file", port, "--set", "discovery.mdns=false", "--set",
                                    "discovery.beacon=false", *map(str, flags)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
         def stop():
@@ -179,19 +182,23 @@ class LiveCalibration(unittest.TestCase):
         _, complaint = self.walls(2, "stereo", "--live", sensor, "--distances", "1.6", "--out", self.out)
         self.assertIn("give --planes DIR and --live SENSOR too", complaint)
 
-    def test_walls_at_known_distances_become_a_pmd_camera(self):
-        bench, walls, camera = self.folder / "bench", self.folder / "walls", self.folder / "camera.cal"
-        size = ["--size", "64x48", "--pmd", "44x36"]
+    def known_walls(self):
+        """A folder of walls at known distances before a small rig."""
+        bench, walls = self.folder / "bench", self.folder / "walls"
         distances = [1.0, 1.4, 1.8, 2.2]
-        subprocess.run([*EMU_PAIR, bench, "--scene", "plane", "--poses", "distances:" + ",".join(map(str, distances)), "--frames", "4", "--pmd-place",
-                        "0,0,0,0,0,0", "--pmd-light", "1", *size], check=True, timeout=ENOUGH_S)
+        subprocess.run([*EMU_PAIR, bench, "--scene", "plane", "--poses", "distances:" + ",".join(map(str, distances)), "--frames", "4", *BESIDE],
+                       check=True, timeout=ENOUGH_S)
         walls.mkdir()
         for number, distance in enumerate(distances):
             pose, name = bench / f"pose_{number:03d}", f"z{round(distance * 1000)}"
             (walls / f"{name}.json").write_text(json.dumps({**json.loads((pose / "pmd.json").read_text(encoding="utf-8")), "z_m": distance}))
             (pose / "pmd_raw.pgm").rename(walls / f"{name}_raw.pgm")
+        return walls
+
+    def test_walls_at_known_distances_become_a_pmd_camera(self):
+        walls, camera = self.known_walls(), self.folder / "camera.cal"
         self.walls(0, "pmd", walls, "--out", camera)
-        sensor = self.start("--scene", "plane", "--poses", "distances:1.6", "--pmd-place", "0,0,0,0,0,0", "--pmd-light", "1", *size)
+        sensor = self.start("--scene", "plane", "--poses", "distances:1.6", *BESIDE)
         live = ["--live", sensor, "--timeout", 30, "--distances", "1.6,1.8", "--exposures", 4]
         _, complaint = self.walls(2, "pmd", walls, *live, "--out", camera)
         self.assertIn("give --start with a file of this rig", complaint)
@@ -206,6 +213,56 @@ class LiveCalibration(unittest.TestCase):
         read = {wall["name"]: wall for wall in json.loads(said)["walls"]}
         self.assertEqual(sorted(read), ["z1000", "z1400", "z1600", "z1800", "z2200"])
         self.assertLess(abs(read["z1600"]["error_mm"]), 20)
+
+    def leaves(self, pattern, *words):
+        """What `stof calib WORDS` complains of, when the sensor of the last start() was cut off from power at a line that has the pattern."""
+        running = subprocess.Popen([*COMMAND, "calib", *map(str, words), "--timeout", "2"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        self.addCleanup(running.kill)
+        said = ""
+        while not re.search(pattern, said):
+            line = running.stdout.readline()
+            if not line:
+                self.fail(said + running.stderr.read())
+            said += line
+        self.sensor.kill()
+        running.stdin.write("\n")
+        rest, complaint = running.communicate(timeout=ENOUGH_S)
+        self.assertEqual(running.returncode, 1, said + rest + complaint)
+        self.assertEqual(complaint.count("\n"), 1, complaint)
+        self.assertIn(": the sensor fell silent: ", complaint)
+        self.assertFalse(self.out.exists())
+        return complaint
+
+    def test_a_sensor_that_goes_away_in_the_middle(self):
+        complaint = self.leaves(TAKEN, *self.words(self.start(*WAVE))[len(COMMAND) + 1:])
+        self.assertRegex(complaint, rf"; views in {self.views}: \d+; run it again to go on")
+        camera, walls = self.folder / "camera.cal", self.known_walls()
+        self.walls(0, "pmd", walls, "--out", camera)
+        sensor = self.start("--scene", "plane", "--poses", "distances:1.6", *BESIDE)
+        complaint = self.leaves("put the wall at 1.6 m", "pmd", walls, "--live", sensor, "--distances", "1.6", "--exposures", 200, "--start", camera,
+                                "--out", self.out)
+        self.assertIn(f"; walls in {walls}: 4", complaint)
+        sensor = self.start("--scene", "plane", "--poses", "distances:1.6", *BESIDE)
+        complaint = self.leaves("missing: ", "extrinsics", "--live", sensor, "--calibration", camera, "--out", self.out)
+        self.assertIn("; no view was taken", complaint)
+
+    def test_a_sensor_without_a_pmd_camera(self):
+        camera, walls = self.folder / "camera.cal", self.known_walls()
+        self.walls(0, "pmd", walls, "--out", camera)
+        none = ["--live", self.start("--scene", "plane", "--poses", "distances:1.6", *BESIDE, "--no-tof"), "--timeout", 2]
+        for words, more in ((["extrinsics", *none, "--calibration", camera, "--out", self.out], "; no view was taken"),
+                            (["pmd", walls, *none, "--distances", "1.6", "--start", camera, "--out", self.out], f"; walls in {walls}: 4"),
+                            (["check", *none, "--calibration", camera], "")):
+            _, complaint = self.walls(1, *words, enters=1)
+            self.assertEqual(complaint.count("\n"), 1, complaint)
+            self.assertIn(": the sensor has no PMD camera: connect it, or name a sensor that has one" + more, complaint)
+            self.assertFalse(self.out.exists())
+        # One that has it in its calibration, but whose camera gives nothing.
+        broken = self.start("--scene", "plane", "--poses", "distances:1.6", *BESIDE, "--fault", "pmd:vanish:0+1000000")
+        _, complaint = self.walls(1, "extrinsics", "--live", broken, "--timeout", 2, "--calibration", camera, "--out", self.out)
+        self.assertEqual(complaint.count("\n"), 1, complaint)
+        self.assertIn("no raw pictures came: the link is too slow", complaint)
 
     def test_a_sensor_that_does_not_answer(self):
         self.refuse(1, ": no packet came: ", "127.0.0.1:9", "--timeout", 0.5)
