@@ -295,7 +295,7 @@ class Pair(unittest.TestCase):
         self.press()
         first = self.begin()
         digits = self.digits()
-        self.refuse(1, "both have ended: press its button again", "pair", self.address, "--digits", "0")
+        self.refuse(1, "both have ended: press its button until", "pair", self.address, "--digits", "000000")
         self.until("not ended", lambda: "pairing has ended" in self.said())
         self.sensor.send_signal(signal.SIGUSR2)
         _, error = first.communicate(digits + "\n", timeout=ENOUGH_S)
