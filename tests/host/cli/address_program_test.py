@@ -161,7 +161,8 @@ class ByBroadcast(Address):
 
     def test_it_is_found_and_others_are_told_what_to_do(self):
         found = self.until(self.found)
-        self.assertEqual((found["address"], found["device_id"], found["found_by"]), ("10.0.0.5", DEVICE, ["beacon"]))
+        self.assertEqual((found["address"], found["device_id"]), ("10.0.0.5", DEVICE))
+        self.assertIn("beacon", found["found_by"])  # and by its multicast DNS, whose answers may cross the link as well
         self.assertIn("in another network than this computer (stof address)", self.stof("discover").stdout)
         for words in (("view", "--frames", "1"), ("info",), ("update", "absent.update")):
             ended = self.stof(words[0], SERIAL, *words[1:])
