@@ -15,14 +15,15 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
-import xml.etree.ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "scripts" / "testing"))
+import cases  # noqa: E402
 from count import Count  # noqa: E402
 from log import LOGS, Log, end_all, indented  # noqa: E402
 
@@ -72,6 +73,7 @@ def layers(log):
     count = one(log.run("scripts/check_layers.py"))
     count.add(unit_tests(log, "tests/scripts/check_layers_test.py"))
     count.add(unit_tests(log, "tests/scripts/test_steps_test.py"))
+    count.add(unit_tests(log, "tests/scripts/cases_test.py"))
     count.add(one(log.run("scripts/wire_table.py", "--check")))
     count.add(unit_tests(log, "tests/scripts/wire_table_test.py"))
     count.add(unit_tests(log, "tests/scripts/security_test.py"))
@@ -101,22 +103,12 @@ def build(log, preset):
 
 
 def ctest(log, preset):
-    """(ctest's verdict, its cases) of a build; the cases are junit's."""
-    report = ROOT / "build" / configured(preset) / "junit.xml"
+    """(ctest's verdict, its cases) of a build."""
+    folder = ROOT / "build" / configured(preset)
+    report, programs = folder / "junit.xml", folder / "cases"
     report.unlink(missing_ok=True)
-    verdict = log.run("ctest", "--preset", preset, "--output-junit", report)
-    if not report.is_file():
-        return verdict, []
-    return verdict, xml.etree.ElementTree.parse(report).getroot().findall("testcase")
-
-
-def skip_reason(case):
-    output = case.findtext("system-out") or ""
-    lines = [line.strip() for line in output.splitlines() if line.strip()]
-    for before, line in zip(lines, lines[1:]):
-        if before.endswith("Skipped"):  # gtest: FILE:LINE: Skipped, then the message
-            return line
-    return lines[-1] if lines else "no reason given"
+    shutil.rmtree(programs, ignore_errors=True)
+    return log.run("ctest", "--preset", preset, "--output-junit", report), cases.of_run(report, programs)
 
 
 def skip_lines(skips):
@@ -124,6 +116,21 @@ def skip_lines(skips):
     return [f"skipped: {names[0]}: {reason}" if len(names) == 1 else
             f"skipped: {len(names)} cases, the first is {names[0]}: {reason}"
             for reason, names in sorted(skips.items())]
+
+
+def add_case(count, case):
+    if case.status == cases.PASSED:
+        count.passed += 1
+    elif case.status == cases.FAILED:
+        count.failed += 1
+        count.notes.append(f"failed: {case.name}")
+        count.details.append(f"    --- {case.name}\n{indented(case.said.splitlines()[-CASE_LINES:])}")
+    elif "STOF_DATA" in case.said and os.environ.get("STOF_REQUIRE_DATA") == "1":
+        count.failed += 1
+        count.notes.append(f"skipped, though STOF_REQUIRE_DATA=1: {case.name}: {case.said}")
+    else:
+        count.skipped += 1
+        count.skips.setdefault(case.said, []).append(case.name)
 
 
 def tested(preset, *checks):
@@ -134,25 +141,9 @@ def tested(preset, *checks):
         count = Count()
         for script in checks:
             count.add(objects(log, preset, script))
-        verdict, cases = ctest(log, preset)
-        for case in cases:
-            name, status = case.get("name"), case.get("status")
-            if status == "run":
-                count.passed += 1
-            elif status in ("notrun", "disabled"):
-                reason = f"{name}: {skip_reason(case)}"
-                needs_data = "STOF_DATA" in (case.findtext("system-out") or "")
-                if needs_data and os.environ.get("STOF_REQUIRE_DATA") == "1":
-                    count.failed += 1
-                    count.notes.append(f"skipped, though STOF_REQUIRE_DATA=1: {reason}")
-                else:
-                    count.skipped += 1
-                    count.skips.setdefault(skip_reason(case), []).append(name)
-            else:
-                count.failed += 1
-                count.notes.append(f"failed: {name}")
-                said = (case.findtext("system-out") or "").splitlines()
-                count.details.append(f"    --- {name}\n{indented(said[-CASE_LINES:])}")
+        verdict, ran = ctest(log, preset)
+        for case in ran:
+            add_case(count, case)
         if not verdict and not count.failed:
             count.failed += 1
             count.notes.append("ctest failed (no test found?)")

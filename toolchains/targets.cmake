@@ -99,33 +99,35 @@ set(STOF_TEST_OPTIONS -O0)
 set(STOF_LABELLED_TEST_OPTIONS -O1)
 # Nor do they tell lines but where sanitizers print them.
 string(TOUPPER "${CMAKE_BUILD_TYPE}" STOF_BUILD_TYPE)
-if(NOT CMAKE_CXX_FLAGS_${STOF_BUILD_TYPE} MATCHES "-fsanitize")
+if(CMAKE_CXX_FLAGS_${STOF_BUILD_TYPE} MATCHES "-fsanitize")
+  set(STOF_SANITIZED ON)
+else()
   list(APPEND STOF_TEST_OPTIONS -g0)
   list(APPEND STOF_LABELLED_TEST_OPTIONS -g0)
 endif()
 
-# stof_add_test(NAME sad_test SOURCES ... LIBRARIES ... [LABELS kernel]): a GoogleTest program whose
-# cases ctest runs one by one, through the emulator where the build is a cross build.
+# stof_add_test(NAME sad_test SOURCES ... LIBRARIES ... [LABELS kernel]): a GoogleTest program. ctest runs it whole, as one test
+# of its name (a process for each of 3,000 cases, and their list made by every program, took a third of a run with sanitizers), through
+# the emulator where the build is a cross build; scripts/test counts its cases from cases/NAME.xml.
 # LABELS kernel: runs at every level of vectors (tests/support/kernel_check.h).
 # LABELS slow: seconds on scenes or recorded data; left out where it would be minutes (sanitizers, qemu: not even built).
 # LABELS scenes: renders scenes, in floating point; left out of qemu. What is called ...OnEveryMachine runs there too.
-# HOST_CASES Suite.Case[:Suite.Case]: these have label `host`. They take seconds of plain C++, in which 64-bit ARM cannot
-# differ; left out of qemu.
-# SLOW_CASES Suite.Case[:Suite.Case]: these have label `slow`.
-# AS_ONE Suite: the program has this suite alone, and its cases look at something that takes seconds and is made once: ctest
-# runs them in one process, as one test.
+# HOST_CASES Suite.Case[:Suite.Case]: these are a test of their own, NAME.host, with label `host`. They take seconds of plain C++,
+# in which 64-bit ARM cannot differ; left out of qemu.
+# SLOW_CASES Suite.Case[:Suite.Case]: NAME.slow, with label `slow`.
 function(stof_add_test)
-  cmake_parse_arguments(ARG "" "NAME;LABELS;HOST_CASES;SLOW_CASES;AS_ONE" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME;LABELS;HOST_CASES;SLOW_CASES" "SOURCES;LIBRARIES" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "stof_add_test(${ARG_NAME}): unknown ${ARG_UNPARSED_ARGUMENTS}")
   endif()
-  if(CMAKE_CROSSCOMPILING AND ARG_LABELS STREQUAL "slow")
+  if(ARG_LABELS STREQUAL "slow" AND (CMAKE_CROSSCOMPILING OR STOF_SANITIZED))
     return()
   endif()
   add_executable(${ARG_NAME} ${ARG_SOURCES})
   set(main GTest::gtest_main)
   if(ARG_LABELS STREQUAL "kernel")
     set(main stof_kernel_check)
+    add_dependencies(stof_kernel_tests ${ARG_NAME})
   endif()
   target_link_libraries(${ARG_NAME} PRIVATE stof_options ${ARG_LIBRARIES} GTest::gtest ${main})
   if(ARG_LABELS)
@@ -136,34 +138,30 @@ function(stof_add_test)
     target_precompile_headers(${ARG_NAME} REUSE_FROM stof_test_headers)
   endif()
   set_target_properties(${ARG_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
-  set(properties TIMEOUT 300)
+  set(properties)
   if(ARG_LABELS)
     # Begins early: what takes long would end alone.
-    list(APPEND properties LABELS ${ARG_LABELS} COST 10)
+    set(properties LABELS ${ARG_LABELS} COST 10)
   endif()
-  if(ARG_AS_ONE)
-    add_test(NAME ${ARG_AS_ONE} COMMAND ${ARG_NAME})
-    set_tests_properties(${ARG_AS_ONE} PROPERTIES ${properties} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
-    return()
-  endif()
-  set(all)
   if(ARG_LABELS STREQUAL "scenes")
-    gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 TEST_FILTER *OnEveryMachine
-      TEST_LIST ${ARG_NAME}_ON_EVERY_MACHINE PROPERTIES TIMEOUT 300)
-    set(all TEST_FILTER -*OnEveryMachine)
+    stof_add_cases(${ARG_NAME}.every_machine ${ARG_NAME} *OnEveryMachine)
+    stof_add_cases(${ARG_NAME} ${ARG_NAME} -*OnEveryMachine ${properties})
   elseif(ARG_HOST_CASES)
-    gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 TEST_FILTER ${ARG_HOST_CASES}
-      TEST_LIST ${ARG_NAME}_HOST_CASES PROPERTIES TIMEOUT 300 LABELS host)
-    set(all TEST_FILTER -${ARG_HOST_CASES})
+    stof_add_cases(${ARG_NAME}.host ${ARG_NAME} ${ARG_HOST_CASES} LABELS host COST 10)
+    stof_add_cases(${ARG_NAME} ${ARG_NAME} -${ARG_HOST_CASES} ${properties})
   elseif(ARG_SLOW_CASES)
-    gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 TEST_FILTER ${ARG_SLOW_CASES}
-      TEST_LIST ${ARG_NAME}_SLOW_CASES PROPERTIES TIMEOUT 300 LABELS slow COST 10)
-    set(all TEST_FILTER -${ARG_SLOW_CASES})
+    stof_add_cases(${ARG_NAME}.slow ${ARG_NAME} ${ARG_SLOW_CASES} LABELS slow COST 10)
+    stof_add_cases(${ARG_NAME} ${ARG_NAME} -${ARG_SLOW_CASES} ${properties})
+  else()
+    stof_add_cases(${ARG_NAME} ${ARG_NAME} * ${properties})
   endif()
-  gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 ${all} PROPERTIES ${properties})
-  if(ARG_LABELS STREQUAL "kernel")
-    add_dependencies(stof_kernel_tests ${ARG_NAME})
-  endif()
+endfunction()
+
+# stof_add_cases(TEST PROGRAM FILTER [PROPERTIES...]): the cases of a program that GoogleTest's filter lets through, as one test.
+function(stof_add_cases test program filter)
+  add_test(NAME ${test}
+    COMMAND ${program} --gtest_filter=${filter} --gtest_output=xml:${PROJECT_BINARY_DIR}/cases/${test}.xml)
+  set_tests_properties(${test} PROPERTIES TIMEOUT 900 ${ARGN})
 endfunction()
 
 # stof_add_kernel_tests(TARGET): stereo/rectify/rectify of stof_add_kernels() has stereo/rectify/rectify_test.cpp in this folder.
