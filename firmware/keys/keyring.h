@@ -41,8 +41,7 @@ class Keyring {
   // kInvalidArgument: there is no such key. Without its last key the sensor is unpaired.
   Status remove(std::uint32_t id) noexcept;
   // The same key with another secret; the one that was shown for it holds too, until settle().
-  Status replace(std::uint32_t id, const wire::Secret& secret,
-                 Shown shown = Shown::kFormer) noexcept;
+  Status replace(std::uint32_t id, const wire::Secret& secret, Shown shown) noexcept;
 
   // The new secret of a renewed key has signed: the one of before is none any more. Where that
   // cannot be saved, it is again at the next start.

@@ -168,7 +168,16 @@ class AddressChange {
   }
 
   const std::string& place() const { return place_; }
-  const std::string& refusal() const { return refusal_; }
+  // Why there is nothing that was kept, behind the sensor's name.
+  std::string failure() const {
+    if (said_saved_) {
+      return "said that it had saved its new address, and then nothing more: `stof discover` tells "
+             "whether it is heard there";
+    }
+    return "is not heard at its new address: it goes back to the one of before, a minute after the "
+           "change, and nothing was saved" +
+           (refusal_.empty() ? "" : " (" + refusal_ + ")");
+  }
   std::optional<std::uint32_t> device() const {
     return proven_ ? std::optional(proven_->device) : std::nullopt;
   }
@@ -226,8 +235,7 @@ class AddressChange {
     const auto saved = sensor.request(Operation::kGet, Document::kSaved, {});
     const std::optional<Json> document = saved ? read_json(saved->text) : std::nullopt;
     if (!document || !document->is_object()) {
-      refusal_ =
-          "it said that it had saved, and then nothing";  // asked again, it saves no second time
+      said_saved_ = true;  // asked again, it saves no second time
       return std::nullopt;
     }
     if (text_of(setting_of(*document, "network", "address")) != wish_.address) {
@@ -258,7 +266,8 @@ class AddressChange {
   std::string former_;  // fixed address; empty: none
   Json saved_;          // before
   std::optional<client::ControlClient::Proof> proven_;
-  std::string refusal_;  // the last one to save
+  std::string refusal_;      // the last one to save
+  bool said_saved_ = false;  // and what it saved was not told
 };
 
 std::string joined(const std::vector<std::string>& words) {
@@ -360,11 +369,7 @@ void set_address(const AddressOptions& options) {
   }
   std::optional<Kept> kept = change.keep();
   if (!kept) {
-    throw Failure(Exit::kFailure,
-                  change.place() +
-                      ": is not heard at its new address: it goes back to the one of "
-                      "before, a minute after the change, and nothing was saved" +
-                      (change.refusal().empty() ? "" : " (" + change.refusal() + ")"));
+    throw Failure(Exit::kFailure, change.place() + ": " + change.failure());
   }
   change.remember(*kept);
   tell(options, change, *kept);

@@ -13,6 +13,7 @@ using namespace std::chrono_literals;
 using firmware::CookieSecret;
 using firmware::RequestHandler;
 using firmware::SerialRequestHandler;
+using keys::Shown;
 using wire::PairMethod;
 using wire::PairRequest;
 using wire::PairResult;
@@ -139,7 +140,7 @@ TEST_F(PairRequestTest, ARemoteLineNeverPairs) {
 TEST_F(PairRequestTest, ALocalLineJudgesWhatAKeySignsByThatKey) {
   wire::Key key = numbered_key(3, Role::kTune);
   ASSERT_EQ(ring_.add(key), Status::kOk);
-  ASSERT_EQ(ring_.replace(3, numbered_key(4).secret), Status::kOk);
+  ASSERT_EQ(ring_.replace(3, numbered_key(4).secret, Shown::kFormer), Status::kOk);
   key.secret = numbered_key(4).secret;
   const wire::SettingsRequest asked{.request_id = 1,
                                     .cookie = firmware::Cookies(CookieSecret{}).make({}, kStart)};

@@ -83,9 +83,9 @@ const std::array<Change, 4>& changes() {
   static const std::array<Change, 4> all{
       [](Keyring& ring) { return ring.add(numbered_key(kMostKeys)); },
       [](Keyring& ring) { return ring.remove(1); },
-      [](Keyring& ring) { return ring.replace(2, another_secret()); },
+      [](Keyring& ring) { return ring.replace(2, another_secret(), Shown::kFormer); },
       [](Keyring& ring) {  // renewed, and the new secret has signed
-        const Status renewed = ring.replace(2, another_secret());
+        const Status renewed = ring.replace(2, another_secret(), Shown::kFormer);
         ring.settle(2);
         return renewed;
       },

@@ -114,7 +114,7 @@ TEST_F(KeyPowerCut, AtEveryWriteLeavesOldOrNewAndNothingToTell) {
           key.former = key.secret;
           key.secret = numbered_key(7).secret;
           static_cast<void>(after.add(key));
-          done = ring.replace(key.id, key.secret);
+          done = ring.replace(key.id, key.secret, Shown::kFormer);
         }
       }
       const bool was_cut = power.cut;

@@ -56,8 +56,8 @@ TEST_F(KeyringTest, TheNextStartHasTheSameKeys) {
   }
   EXPECT_EQ(ring.add(numbered_key(99)), Status::kTooLarge);
   EXPECT_EQ(ring.add(numbered_key(1)), Status::kTooLarge);
-  ASSERT_EQ(ring.replace(5, numbered_key(77).secret), Status::kOk);
-  EXPECT_EQ(ring.replace(99, {}), Status::kInvalidArgument);
+  ASSERT_EQ(ring.replace(5, numbered_key(77).secret, Shown::kFormer), Status::kOk);
+  EXPECT_EQ(ring.replace(99, {}, Shown::kFormer), Status::kInvalidArgument);
   const Keyring next = started();
   ASSERT_EQ(next.keys().count(), kMostKeys);
   for (const wire::Key& key : next.keys().all()) {
@@ -69,9 +69,9 @@ TEST_F(KeyringTest, ARenewedKeyHasBothSecretsUntilTheNewOneHasSigned) {
   Keyring ring = started();
   ASSERT_EQ(ring.add(numbered_key(1)), Status::kOk);
   ASSERT_EQ(ring.add(numbered_key(2)), Status::kOk);
-  ASSERT_EQ(ring.replace(1, numbered_key(7).secret), Status::kOk);
+  ASSERT_EQ(ring.replace(1, numbered_key(7).secret, Shown::kFormer), Status::kOk);
   for (const std::uint32_t newest : {7U, 8U}) {  // the answer was lost, it was renewed again
-    ASSERT_EQ(ring.replace(1, numbered_key(newest).secret), Status::kOk);
+    ASSERT_EQ(ring.replace(1, numbered_key(newest).secret, Shown::kFormer), Status::kOk);
     const Keyring next = started();
     EXPECT_EQ(told_, "");
     ASSERT_EQ(next.keys().count(), 2U);
@@ -102,7 +102,7 @@ TEST_F(KeyringTest, WhatWasNotSavedIsNotInForce) {
   store_.break_down(true);
   EXPECT_EQ(ring.add(numbered_key(2)), Status::kDeviceError);
   EXPECT_EQ(ring.remove(1), Status::kDeviceError);
-  EXPECT_EQ(ring.replace(1, {}), Status::kDeviceError);
+  EXPECT_EQ(ring.replace(1, {}, Shown::kFormer), Status::kDeviceError);
   ASSERT_EQ(ring.keys().count(), 1U);
   EXPECT_EQ(ring.keys().all()[0], numbered_key(1));
 }
@@ -161,7 +161,7 @@ TEST(KeyringNoHeap, KeysComeAndGoWithoutHeap) {
   const int before = test::allocations;
   for (std::uint32_t id = 1; id <= 8; ++id) {
     ASSERT_EQ(ring.add(numbered_key(id)), Status::kOk);
-    ASSERT_EQ(ring.replace(id, numbered_key(id + 1).secret), Status::kOk);
+    ASSERT_EQ(ring.replace(id, numbered_key(id + 1).secret, Shown::kFormer), Status::kOk);
   }
   std::array<char, wire::kMostKeyText> space;
   wire::KeyTable read;
