@@ -30,7 +30,7 @@ from log import LOGS, Log, end_all, indented  # noqa: E402
 CASE_LINES = 20
 CASES_SHOWN = 10
 # Build presets that share the folder of another one.
-CONFIGURED_AS = {"gcc-tests": "gcc", "arm64-kernels": "arm64", "arm64-host": "arm64"}
+CONFIGURED_AS = {"gcc-tests": "gcc", "arm64-kernels": "arm64", "arm64-host": "arm64", "asan-commands": "emu-asan"}
 FUZZ_RUNS = 20_000  # of each target; scripts/fuzz alone does more
 
 
@@ -335,6 +335,7 @@ STEPS = {
     "gcc": tested("gcc"),
     "arm64": arm64("arm64", "check_vector_code"),
     "system": system("short"),
+    "asan-commands": tested("asan-commands"),
     "mutation": plain(mutation),
     "arm64-host": arm64("arm64-host"),
     "arm64-ubsan": arm64("arm64-ubsan"),
@@ -350,7 +351,7 @@ STEPS = {
 SHORT = ("format", "layers", "emu", "arm64-kernels", "boards")
 # Of every change: step arm64 has the kernels, too.
 CI = ("format", "layers", "emu", "boards", "tidy", "emu-asan", "gcc", "arm64", "system")
-ALL = CI + ("mutation", "arm64-host", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long", "calib", "image",
+ALL = CI + ("asan-commands", "mutation", "arm64-host", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long", "calib", "image",
              "package")
 
 
