@@ -167,7 +167,7 @@ TEST_F(SignedRequestTest, AKeyThatWasRemovedOrReplacedIsNoKeyAtOnce) {
   ASSERT_TRUE(signed_reply(tune_, take(request(tune_, 1))).has_value());
   ASSERT_EQ(ring_.remove(tune_.id), Status::kOk);
   EXPECT_EQ(settings_reply(take(request(tune_, 2)))->answer.result, SettingsResult::kUnknownKey);
-  ASSERT_EQ(ring_.replace(admin_.id, numbered_key(5).secret), Status::kOk);
+  ASSERT_EQ(ring_.replace(admin_.id, numbered_key(5).secret, keys::Shown::kFormer), Status::kOk);
   // Until the new secret has signed, the one of before holds: its owner may not have the new one.
   EXPECT_EQ(signed_reply(admin_, take(request(admin_, 2)))->answer.result, SettingsResult::kOk);
   EXPECT_EQ(signed_reply(admin_, take(request(admin_, 2)))->answer.result, SettingsResult::kStale);

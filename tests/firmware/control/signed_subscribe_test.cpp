@@ -244,7 +244,7 @@ TEST_F(SignedSubscribeTest, AKeyThatWasEndedKeepsNoPlaceAndNoSigning) {
 TEST_F(SignedSubscribeTest, AKeyThatWasRenewedKeepsItsPlaceAndItsStreamKey) {
   const auto first = ask(key_, robot_);
   ASSERT_TRUE(first);
-  ASSERT_EQ(ring_.replace(key_.id, numbered_key(13).secret), Status::kOk);
+  ASSERT_EQ(ring_.replace(key_.id, numbered_key(13).secret, keys::Shown::kFormer), Status::kOk);
   EXPECT_EQ(plain(robot_), SubscribeResult::kOk);
   EXPECT_EQ(key_of(0), first->stream);
 }
