@@ -35,6 +35,7 @@ struct FrameSpec {
   bool parity = false;
   std::uint32_t steady_frames = 0;
   std::uint32_t calibration = 0;  // its fingerprint
+  std::uint32_t settings = 0;     // their revision
 };
 
 // The frame of this number, fresh, with pixels of its own.
@@ -77,7 +78,8 @@ inline std::vector<Datagram> datagrams(const FrameSpec& spec) {
   wire::StreamChoice choice = raw_map();
   choice.parity = spec.parity;
   return coder.code(stamp_of(spec), {.map = map.view()}, choice,
-                    {.calibration_fingerprint = spec.calibration});
+                    {.settings_revision = spec.settings,
+                     .calibration_fingerprint = spec.calibration});
 }
 
 // A packet outside the frames.
