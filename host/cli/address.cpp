@@ -151,7 +151,7 @@ class AddressChange {
       // at the one that it leaves.
       const auto again = std::ranges::find_first_of(here, before);
       if (found && again != here.end() && heard_at(*found, *again) &&
-          (!wish_.address.empty() || *again != former_)) {
+          (!wish_.address.empty() || (*again != former_ && answers_from(*again, *found)))) {
         if (auto kept = save_at(*again, other_way(*found))) {
           return kept;
         }
@@ -206,13 +206,28 @@ class AddressChange {
     return found == sensors->end() ? std::nullopt : std::optional(*found);
   }
 
+  // Anybody can tell all of the link that it is there: what it signs has to come from there. (An
+  // address of a wish the sensor itself says, when it is saved.)
+  bool answers_from(const std::string& address, const client::FoundSensor& found) const {
+    auto way = open_link(found);
+    if (!way) {
+      return false;
+    }
+    client::ControlClient sensor(std::move(*way), control_);
+    const auto answer = sensor.request(Operation::kGet, Document::kActive, {});
+    return answer && sensor.proven() && sensor.proven()->from == address;
+  }
+
+  static Way open_link(const client::FoundSensor& found) {
+    return client::open_link_transport({.device_id = found.device_id,
+                                        .session_id = found.session_id,
+                                        .port = found.port,
+                                        .called = found.serial});
+  }
+
   // By which it answers where it is not reached at its address: IPv6 of the link, or broadcast.
   static Way other_way(const client::FoundSensor& found) {
-    return found.by_link_alone() ? client::open_link_transport({.device_id = found.device_id,
-                                                                .session_id = found.session_id,
-                                                                .port = found.port,
-                                                                .called = found.serial})
-                                 : client::open_udp_transport(found.endpoint());
+    return found.by_link_alone() ? open_link(found) : client::open_udp_transport(found.endpoint());
   }
 
   // None: no answer, or not yet. Only who has the key is believed, and what he refuses for good

@@ -334,7 +334,9 @@ std::optional<ControlClient::Part> ControlClient::read_answer(std::span<const st
   const std::optional<RequestSigner::Answer> signed_answer = signer_.open(*packet, datagram);
   if (signed_answer) {
     payload = signed_answer->payload;
-    proven_ = Proof{.device = packet->header.origin.device_id, .key_id = signer_.key()->id};
+    proven_ = Proof{.device = packet->header.origin.device_id,
+                    .key_id = signer_.key()->id,
+                    .from = transport_->from()};
   } else if (packet->header.type != wire::PacketType::kSettingsAnswer) {
     return std::nullopt;
   }

@@ -33,6 +33,8 @@ class ControlTransport {
   virtual Result<std::vector<std::byte>> receive(Duration timeout) = 0;
   // For messages: "192.168.1.20:7560".
   virtual std::string place() const = 0;
+  // Numeric, of the host that sent what receive() gave last; empty: it is not known.
+  virtual std::string from() const { return {}; }
 };
 
 // The next packet until `deadline`, and what lies there behind it. kTimeout: there is none. Others
@@ -110,6 +112,7 @@ class ControlClient {
   struct Proof {
     std::uint32_t device = 0;
     std::uint32_t key_id = 0;
+    std::string from{};  // of the newest of these answers, as ControlTransport::from()
   };
   const std::optional<Proof>& proven() const { return proven_; }
 
