@@ -48,7 +48,7 @@ client::ControlAnswer taken(client::ControlAnswer answer, const std::string& pla
     return answer;
   }
   if (answer.result == Result::kUnknownKey) {
-    answer.text = "has none of your keys: pair with it (stof pair)";
+    answer.text = unknown_key_text(answer.text);
   } else if (answer.text.empty()) {
     answer.text = answer.result == Result::kBusy ? "is busy: try again"
                                                  : "does not know this request: update the sensor";

@@ -102,7 +102,7 @@ class Session {
       case wire::SettingsResult::kNotSaved:
         throw Failure(Exit::kFailure, place_ + ": " + answer->text);
       case wire::SettingsResult::kUnknownKey:
-        throw Failure(Exit::kFailure, place_ + ": has none of your keys: pair with it (stof pair)");
+        throw Failure(Exit::kFailure, place_ + ": " + unknown_key_text(answer->text));
       case wire::SettingsResult::kBusy:
         throw Failure(Exit::kFailure, place_ + ": is busy: try again");
       default:

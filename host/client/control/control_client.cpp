@@ -87,9 +87,31 @@ Result<std::vector<std::byte>> receive_until(ControlTransport& transport, Time d
   }
 }
 
+const char* to_check(Reach reach) noexcept {
+  return reach == Reach::kLine ? "check that the sensor runs, the line and its speed"
+                               : "check that the sensor runs, and its address";
+}
+
+void OfferedCookies::add(std::uint64_t cookie) {
+  constexpr std::size_t kMost = 8;
+  if (offered_.size() < kMost && std::ranges::find(offered_, cookie) == offered_.end()) {
+    offered_.push_back(cookie);
+  }
+}
+
+std::optional<std::uint64_t> OfferedCookies::take() {
+  if (offered_.empty()) {
+    return std::nullopt;
+  }
+  const std::uint64_t cookie = offered_.front();
+  offered_.erase(offered_.begin());
+  return cookie;
+}
+
 struct ControlClient::Part {
   wire::SettingsAnswer answer;
   std::string text;
+  bool is_signed = false;
 };
 
 ControlClient::ControlClient(std::unique_ptr<ControlTransport> transport,
@@ -199,6 +221,8 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     wire::SettingsOperation operation, wire::SettingsDocument document, std::uint16_t offset,
     std::string_view text) {
   ++request_id_;
+  answered_ = false;
+  offered_.clear();
   std::optional<Part> refusal;
   bool hurried = false;  // asked at once upon a cookie
   for (int attempt = 0; attempt < options_.attempts;) {
@@ -207,7 +231,7 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     }
     const bool sealed = signer_.key() != nullptr;
     if (keys_refused_ && !only_reads(operation)) {
-      return Part{.answer = {.result = wire::SettingsResult::kUnknownKey}, .text = {}};
+      return keys_unknown();
     }
     if (!sealed && cookie_ != 0 && !takes_unsigned(operation)) {
       return std::unexpected(unproven());
@@ -226,6 +250,8 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
       return std::unexpected(std::move(heard.error()));
     }
     const std::optional<Part>& part = *heard;
+    answered_ = answered_ || part;
+    cookie_ = offered_.take().value_or(cookie_);
     if (part && sealed && signer_.is_used_up()) {
       return std::unexpected(used_up());
     }
@@ -304,10 +330,13 @@ std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::a
     std::uint32_t request_id, bool sealed) {
   const Time begin = Time::clock::now();
   const Time deadline = std::min(begin + options_.timeout, std::max(begin, deadline_));
+  // Whoever hears the request may refuse it: the sensor's own answer may come behind that.
+  const bool anybody = sealed && transport_->reach() == Reach::kLink;
+  std::optional<Part> refusal;
   for (int behind = 0;;) {
     const Result<std::vector<std::byte>> bytes = receive_until(*transport_, deadline, behind);
     if (!bytes && bytes.error() == Status::kTimeout) {
-      return std::nullopt;
+      return refusal;
     }
     if (!bytes && bytes.error() == Status::kDeviceLost) {
       return std::unexpected(error(bytes.error(), "the connection failed: open it again"));
@@ -315,9 +344,12 @@ std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::a
     if (!bytes) {
       continue;  // nobody listens yet
     }
-    if (std::optional<Part> part = read_answer(*bytes, request_id, sealed)) {
+    std::optional<Part> part = read_answer(*bytes, request_id, sealed);
+    if (part && (!anybody || part->is_signed)) {
+      offered_.clear();
       return part;
     }
+    refusal = refusal ? std::move(refusal) : std::move(part);
   }
 }
 
@@ -349,11 +381,17 @@ std::optional<ControlClient::Part> ControlClient::read_answer(std::span<const st
   if (sealed && !signed_answer && judged) {
     return std::nullopt;
   }
-  cookie_ = answer->cookie;
+  if (sealed && !signed_answer && transport_->reach() == Reach::kLink) {
+    offered_.add(answer->cookie);
+  } else {
+    cookie_ = answer->cookie;
+  }
   signer_.note_origin(packet->header.origin);
   signer_.note_highest(signed_answer ? signed_answer->highest : 0);
   const std::span<const std::byte> text = payload.subspan(wire::kSettingsAnswerBytes);
-  Part part{.answer = *answer, .text = std::string(text.size(), '\0')};
+  Part part{.answer = *answer,
+            .text = std::string(text.size(), '\0'),
+            .is_signed = signed_answer.has_value()};
   std::ranges::transform(text, part.text.begin(),
                          [](std::byte byte) { return static_cast<char>(byte); });
   return part;
@@ -400,10 +438,25 @@ std::optional<ControlError> ControlClient::another_sensor() {
 }
 
 ControlError ControlClient::silent() const {
+  if (answered_) {
+    return error(Status::kTimeout,
+                 "asks for another cookie whatever it is shown: somebody answers in its place, or "
+                 "it has just started: try again");
+  }
   const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(options_.timeout);
   return error(Status::kTimeout, "no answer within " +
                                      std::to_string(waited.count() * options_.attempts) +
-                                     " ms: check that the sensor runs, and its address");
+                                     " ms: " + to_check(transport_->reach()));
+}
+
+ControlClient::Part ControlClient::keys_unknown() const {
+  const bool anybody = transport_->reach() == Reach::kLink;
+  return Part{.answer = {.result = wire::SettingsResult::kUnknownKey},
+              .text = anybody
+                          ? "has none of your keys, it says without a signature, as anybody of "
+                            "the link can: pair with it (stof pair), or see whether it did what "
+                            "was asked (stof config get, stof unpair --list)"
+                          : ""};
 }
 
 ControlError ControlClient::used_up() const {

@@ -21,6 +21,12 @@
 
 namespace stof::client {
 
+enum class Reach : std::uint8_t {
+  kAddress,  // nobody but those on the way hears what is asked
+  kLink,     // all of a link hear it, and may answer
+  kLine,     // a serial line
+};
+
 // Carries whole packets to a sensor and back: UDP (open_udp_transport) or a serial line.
 class ControlTransport {
  public:
@@ -35,6 +41,7 @@ class ControlTransport {
   virtual std::string place() const = 0;
   // Numeric, of the host that sent what receive() gave last; empty: it is not known.
   virtual std::string from() const { return {}; }
+  virtual Reach reach() const { return Reach::kAddress; }
 };
 
 // The next packet until `deadline`, and what lies there behind it. kTimeout: there is none. Others
@@ -43,6 +50,21 @@ Result<std::vector<std::byte>> receive_until(ControlTransport& transport, Time d
                                              int& behind);
 
 using ControlError = OpenError;
+
+// What to look after where nobody answers, for a message.
+const char* to_check(Reach reach) noexcept;
+
+// Cookies that were offered where anybody may offer one: each is tried.
+class OfferedCookies {
+ public:
+  void add(std::uint64_t cookie);
+  // The next one; nothing: all were tried.
+  std::optional<std::uint64_t> take();
+  void clear() noexcept { offered_.clear(); }
+
+ private:
+  std::vector<std::uint64_t> offered_;  // in the order of their coming
+};
 
 // sensor: HOST[:PORT], port 7560 without; an IPv6 address with a port in brackets. May block on a
 // name server. kInvalidArgument: not such a thing, kDeviceError: no such host or no network.
@@ -70,7 +92,8 @@ struct ControlOptions {
 };
 
 struct ControlAnswer {
-  // Never kCookie or kStale. kUnknownKey: the sensor has none of the keys, and nothing was changed.
+  // Never kCookie or kStale. kUnknownKey: the sensor has none of the keys, and nothing was changed;
+  // by Reach::kLink, where anybody may say so, `text` says what that proves.
   wire::SettingsResult result = wire::SettingsResult::kOk;
   // Of get: the whole document, as the sensor gave it: any bytes, for a terminal see printable.h.
   // Else one line that can be printed: of a refusal which field, and what it takes.
@@ -136,6 +159,7 @@ class ControlClient {
   bool takes_unsigned(wire::SettingsOperation operation) const;
   ControlError unproven() const;
   ControlError silent() const;
+  Part keys_unknown() const;
   std::optional<ControlError> another_sensor();
   ControlError used_up() const;
   ControlError error(Status status, std::string_view what) const;
@@ -146,6 +170,8 @@ class ControlClient {
   bool keys_refused_ = false;  // the sensor has none of those that there are of it
   std::optional<Proof> proven_;
   std::uint64_t cookie_ = 0;
+  OfferedCookies offered_;  // by Reach::kLink
+  bool answered_ = false;   // something came upon the request that is asked now
   std::uint32_t request_id_;
   Time deadline_;  // of the request that is asked now
 };

@@ -73,6 +73,7 @@ class LinkTransport final : public ControlTransport {
 
   std::string place() const override { return target_.called + ", by broadcast"; }
   std::string from() const override { return from_.host(); }
+  Reach reach() const override { return Reach::kLink; }
 
  private:
   // Everybody near tells the same port who he is, and hears what others are answered.
