@@ -16,9 +16,11 @@
 #include "host/cli/output.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/sensor/find_sensor.h"
+#include "host/cli/stop_signal.h"
 #include "host/client/control/link_transport.h"
 #include "host/client/printable.h"
 #include "host/discovery/discover.h"
+#include "posix/interfaces.h"
 
 namespace stof::host {
 namespace {
@@ -108,6 +110,8 @@ class AddressChange {
       port_ = port.get<std::uint16_t>();
     }
     former_ = host_of(text_of(setting_of(active, "network", "address")));
+    refuse_taken(sensor.proven());
+    stop_on_signals();  // from here on somebody has to be told what comes of it
     static_cast<void>(
         taken(value_or_end(sensor.request(Operation::kSet, {}, wish_.settings())), place_));
     proven_ = sensor.proven();
@@ -135,7 +139,7 @@ class AddressChange {
         Clock::now() +
         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options_.wait_s));
     std::vector<std::string> before;
-    while (Clock::now() < end) {
+    while (Clock::now() < end && !asked_to_stop()) {
       const std::optional<client::FoundSensor> found = listen();
       std::vector<std::string> here = found ? found->heard : std::vector<std::string>{};
       std::erase_if(here, [this](const std::string& at) { return !is_wanted(at); });
@@ -174,7 +178,8 @@ class AddressChange {
       return "said that it had saved its new address, and then nothing more: `stof discover` tells "
              "whether it is heard there";
     }
-    return "is not heard at its new address: it goes back to the one of before, a minute after the "
+    return std::string(asked_to_stop() ? "was given up before it was heard" : "is not heard") +
+           " at its new address: it goes back to the one of before, a minute after the "
            "change, and nothing was saved" +
            (refusal_.empty() ? "" : " (" + refusal_ + ")");
   }
@@ -183,6 +188,29 @@ class AddressChange {
   }
 
  private:
+  // Two hosts of one address are heard by chance.
+  void refuse_taken(const std::optional<client::ControlClient::Proof>& sensor) const {
+    if (wish_.address.empty()) {
+      return;
+    }
+    const std::string host = host_of(wish_.address);
+    in_addr address{};
+    static_cast<void>(inet_pton(AF_INET, host.c_str(), &address));
+    if (posix::is_own_address(address)) {
+      throw Failure(Exit::kBadInput, "address: " + host + ": is this computer's own");
+    }
+    if (!sensor || !options_.serial.empty()) {
+      return;
+    }
+    const auto near = client::discover({.timeout = kListen});
+    for (const client::FoundSensor& other : near ? *near : std::vector<client::FoundSensor>{}) {
+      if (other.device_id != sensor->device && heard_at(other, host)) {
+        throw Failure(Exit::kBadInput, "address: " + host + ": sensor " + other.serial +
+                                           " is heard there: give this one another");
+      }
+    }
+  }
+
   using Way = std::expected<std::unique_ptr<client::ControlTransport>, client::ControlError>;
 
   static bool heard_at(const client::FoundSensor& sensor, const std::string& address) {

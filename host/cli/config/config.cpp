@@ -97,7 +97,7 @@ class Session {
       case wire::SettingsResult::kOk:
         return std::move(*answer);
       case wire::SettingsResult::kInvalid:
-        throw Failure(Exit::kBadInput, answer->text);
+        throw Failure(Exit::kBadInput, place_ + ": " + answer->text);
       case wire::SettingsResult::kDenied:
       case wire::SettingsResult::kNotSaved:
         throw Failure(Exit::kFailure, place_ + ": " + answer->text);

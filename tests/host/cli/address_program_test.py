@@ -6,6 +6,7 @@ stands for the image's program that sets addresses. As root where `ip netns` is 
 import json
 import os
 import pathlib
+import signal
 import socket
 import subprocess
 import sys
@@ -236,6 +237,33 @@ class ByBroadcast(Address):
         self.assertEqual((ended.returncode, ended.stdout, ended.stderr.count("\n")), (1, "", 1), ended.stderr)
         self.assertIn("is not heard at its new address: it goes back", ended.stderr)
         self.assertEqual((self.saved()["address"], self.saved()["dhcp"]), (FIRST, False))
+
+    def test_an_address_that_is_taken_is_refused(self):
+        self.pair()
+        asked = len(self.setter.log)
+        discover = wire.seal(wire.Header(type=wire.PacketType.DISCOVER), wire.Discover(request_id=7).pack())
+        header, payload = wire.parse(self.link(7561, discover))
+        header.origin = wire.Origin(device_id=DEVICE + 1, session_id=77)
+        other = wire.seal(header, payload)
+        stranger = subprocess.Popen(within(FAR, [sys.executable, "-c", FORGE, "192.168.1.77", other.hex()]))
+        self.addCleanup(lambda: (stranger.kill(), stranger.wait()))
+        for address, fact in (("192.168.1.77/24", "is heard there"), (OURS, "is this computer's own")):
+            ended = self.stof("address", SERIAL, address)
+            self.assertEqual((ended.returncode, ended.stdout, ended.stderr.count("\n")), (2, "", 1), ended.stderr)
+            self.assertIn(fact, ended.stderr)
+        self.assertEqual(len(self.setter.log), asked)
+
+    def test_who_gives_up_is_told_what_comes_of_it(self):
+        self.pair()
+        self.setter.lost = "192.168.1.52/24"
+        changing = subprocess.Popen(within(NEAR, [*COMMAND, "address", SERIAL, self.setter.lost]), stdout=subprocess.PIPE,
+                                    stderr=subprocess.PIPE, text=True, cwd=self.folder, env=self.environment)
+        self.until(lambda: "network is on trial" in self.said())
+        changing.send_signal(signal.SIGINT)
+        out, error = changing.communicate(timeout=ENOUGH_S)
+        self.assertEqual((changing.returncode, out, error.count("\n")), (1, "", 1), error)
+        self.assertIn("was given up", error)
+        self.assertIn("goes back to the one of before", error)
 
     def test_where_a_lease_is_of_another_network_it_is_heard_there(self):
         self.pair()
