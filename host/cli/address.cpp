@@ -339,8 +339,10 @@ void tell(const AddressOptions& options, const AddressChange& change, const Kept
   const std::string who = change.device() ? "sensor " + std::to_string(*change.device()) : "sensor";
   say(kept.address.empty() ? who + ": saved over the cable; nobody has heard it there yet"
                            : who + ": heard at " + kept.address + ", and saved");
-  if (kept.place.ends_with("by broadcast")) {
-    say("this computer has no address of that network: it reaches the sensor by broadcast alone");
+  const bool by_broadcast = kept.place.ends_with("by broadcast");
+  if (by_broadcast || kept.place.starts_with("[fe80:")) {
+    say(std::string("this computer has no address of that network: it reaches the sensor by ") +
+        (by_broadcast ? "broadcast" : "IPv6 of the link") + " alone");
   }
   if (!kept.others.empty()) {
     say("saved with it, because it was changed and not saved before: " + joined(kept.others));

@@ -316,6 +316,7 @@ class ByIpv6(Address):
         told = json.loads(self.ask("address", SERIAL, "172.16.0.9/24", "--json"))
         self.assertEqual(told["address"], "172.16.0.9")
         self.assertTrue(told["place"].startswith("[fe80:"), told)
+        self.assertIn("reaches the sensor by IPv6 of the link alone", self.ask("address", SERIAL, "172.16.0.10/24"))
         told = json.loads(self.ask("address", SERIAL, "192.168.1.50/24", "--json"))
         self.assertEqual((told["place"], self.saved()["address"]), ("192.168.1.50:7560", "192.168.1.50/24"))
         found = self.until(lambda: (sensor := self.found()) and "direct" in sensor["found_by"] and sensor)
