@@ -77,9 +77,9 @@ inline std::vector<Datagram> datagrams(const FrameSpec& spec) {
   Coder coder(spec.origin, {.width = spec.width, .height = spec.height});
   wire::StreamChoice choice = raw_map();
   choice.parity = spec.parity;
-  return coder.code(stamp_of(spec), {.map = map.view()}, choice,
-                    {.settings_revision = spec.settings,
-                     .calibration_fingerprint = spec.calibration});
+  return coder.code(
+      stamp_of(spec), {.map = map.view()}, choice,
+      {.settings_revision = spec.settings, .calibration_fingerprint = spec.calibration});
 }
 
 // A packet outside the frames.
