@@ -166,8 +166,6 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
       return std::unexpected(std::move(heard.error()));
     }
     const std::optional<Part>& part = *heard;
-    answered_ = answered_ || part;
-    cookie_ = offered_.take().value_or(cookie_);
     if (part && sealed && signer_.is_used_up()) {
       return std::unexpected(used_up());
     }
@@ -252,6 +250,7 @@ std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::a
   for (int behind = 0;;) {
     const Result<std::vector<std::byte>> bytes = receive_until(*transport_, deadline, behind);
     if (!bytes && bytes.error() == Status::kTimeout) {
+      cookie_ = offered_.take().value_or(cookie_);
       return refusal;
     }
     if (!bytes && bytes.error() == Status::kDeviceLost) {
@@ -265,7 +264,9 @@ std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::a
       offered_.clear();
       return part;
     }
-    refusal = refusal ? std::move(refusal) : std::move(part);
+    if (!refusal) {
+      refusal = std::move(part);
+    }
   }
 }
 
@@ -302,6 +303,7 @@ std::optional<ControlClient::Part> ControlClient::read_answer(std::span<const st
   } else {
     cookie_ = answer->cookie;
   }
+  answered_ = true;
   signer_.note_origin(packet->header.origin);
   signer_.note_highest(signed_answer ? signed_answer->highest : 0);
   const std::span<const std::byte> text = payload.subspan(wire::kSettingsAnswerBytes);

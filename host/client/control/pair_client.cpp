@@ -32,9 +32,15 @@ constexpr std::string_view wrong_text(PairMethod method) noexcept {
 
 // How far an answer goes: of several to one request the furthest counts.
 int rank(PairResult result) noexcept {
-  return result == PairResult::kWaiting || result == PairResult::kOk ? 2
-         : result == PairResult::kCookie                             ? 0
-                                                                     : 1;
+  switch (result) {
+    case PairResult::kWaiting:
+    case PairResult::kOk:
+      return 2;
+    case PairResult::kCookie:
+      return 0;
+    default:
+      return 1;
+  }
 }
 
 }  // namespace
