@@ -40,4 +40,23 @@ Interfaces list_interfaces() {
   return out;
 }
 
+bool is_own_address(const in_addr& address) {
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) {
+    return false;
+  }
+  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owned(list, freeifaddrs);
+  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
+    if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != AF_INET) {
+      continue;
+    }
+    sockaddr_in own{};
+    std::memcpy(&own, entry->ifa_addr, sizeof own);
+    if (own.sin_addr.s_addr == address.s_addr) {
+      return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace stof::posix

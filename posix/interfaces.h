@@ -15,4 +15,7 @@ struct Interfaces {
 // Lists the interfaces that are up.
 Interfaces list_interfaces();
 
+// Whether an interface of this machine has it.
+bool is_own_address(const in_addr& address);
+
 }  // namespace stof::posix

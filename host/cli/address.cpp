@@ -16,9 +16,11 @@
 #include "host/cli/output.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/sensor/find_sensor.h"
+#include "host/cli/stop_signal.h"
 #include "host/client/control/link_transport.h"
 #include "host/client/printable.h"
 #include "host/discovery/discover.h"
+#include "posix/interfaces.h"
 
 namespace stof::host {
 namespace {
@@ -48,7 +50,7 @@ client::ControlAnswer taken(client::ControlAnswer answer, const std::string& pla
     return answer;
   }
   if (answer.result == Result::kUnknownKey) {
-    answer.text = "has none of your keys: pair with it (stof pair)";
+    answer.text = unknown_key_text(answer.text);
   } else if (answer.text.empty()) {
     answer.text = answer.result == Result::kBusy ? "is busy: try again"
                                                  : "does not know this request: update the sensor";
@@ -108,6 +110,8 @@ class AddressChange {
       port_ = port.get<std::uint16_t>();
     }
     former_ = host_of(text_of(setting_of(active, "network", "address")));
+    refuse_taken(sensor.proven());
+    stop_on_signals();  // from here on somebody has to be told what comes of it
     static_cast<void>(
         taken(value_or_end(sensor.request(Operation::kSet, {}, wish_.settings())), place_));
     proven_ = sensor.proven();
@@ -135,7 +139,7 @@ class AddressChange {
         Clock::now() +
         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options_.wait_s));
     std::vector<std::string> before;
-    while (Clock::now() < end) {
+    while (Clock::now() < end && !asked_to_stop()) {
       const std::optional<client::FoundSensor> found = listen();
       std::vector<std::string> here = found ? found->heard : std::vector<std::string>{};
       std::erase_if(here, [this](const std::string& at) { return !is_wanted(at); });
@@ -151,7 +155,7 @@ class AddressChange {
       // at the one that it leaves.
       const auto again = std::ranges::find_first_of(here, before);
       if (found && again != here.end() && heard_at(*found, *again) &&
-          (!wish_.address.empty() || *again != former_)) {
+          (!wish_.address.empty() || (*again != former_ && answers_from(*again, *found)))) {
         if (auto kept = save_at(*again, other_way(*found))) {
           return kept;
         }
@@ -174,7 +178,8 @@ class AddressChange {
       return "said that it had saved its new address, and then nothing more: `stof discover` tells "
              "whether it is heard there";
     }
-    return "is not heard at its new address: it goes back to the one of before, a minute after the "
+    return std::string(asked_to_stop() ? "was given up before it was heard" : "is not heard") +
+           " at its new address: it goes back to the one of before, a minute after the "
            "change, and nothing was saved" +
            (refusal_.empty() ? "" : " (" + refusal_ + ")");
   }
@@ -183,6 +188,29 @@ class AddressChange {
   }
 
  private:
+  // Two hosts of one address are heard by chance.
+  void refuse_taken(const std::optional<client::ControlClient::Proof>& sensor) const {
+    if (wish_.address.empty()) {
+      return;
+    }
+    const std::string host = host_of(wish_.address);
+    in_addr address{};
+    static_cast<void>(inet_pton(AF_INET, host.c_str(), &address));
+    if (posix::is_own_address(address)) {
+      throw Failure(Exit::kBadInput, "address: " + host + ": is this computer's own");
+    }
+    if (!sensor || !options_.serial.empty()) {
+      return;
+    }
+    const auto near = client::discover({.timeout = kListen});
+    for (const client::FoundSensor& other : near ? *near : std::vector<client::FoundSensor>{}) {
+      if (other.device_id != sensor->device && heard_at(other, host)) {
+        throw Failure(Exit::kBadInput, "address: " + host + ": sensor " + other.serial +
+                                           " is heard there: give this one another");
+      }
+    }
+  }
+
   using Way = std::expected<std::unique_ptr<client::ControlTransport>, client::ControlError>;
 
   static bool heard_at(const client::FoundSensor& sensor, const std::string& address) {
@@ -206,13 +234,28 @@ class AddressChange {
     return found == sensors->end() ? std::nullopt : std::optional(*found);
   }
 
+  // Anybody can tell all of the link that it is there: what it signs has to come from there. (An
+  // address of a wish the sensor itself says, when it is saved.)
+  bool answers_from(const std::string& address, const client::FoundSensor& found) const {
+    auto way = open_link(found);
+    if (!way) {
+      return false;
+    }
+    client::ControlClient sensor(std::move(*way), control_);
+    const auto answer = sensor.request(Operation::kGet, Document::kActive, {});
+    return answer && sensor.proven() && sensor.proven()->from == address;
+  }
+
+  static Way open_link(const client::FoundSensor& found) {
+    return client::open_link_transport({.device_id = found.device_id,
+                                        .session_id = found.session_id,
+                                        .port = found.port,
+                                        .called = found.serial});
+  }
+
   // By which it answers where it is not reached at its address: IPv6 of the link, or broadcast.
   static Way other_way(const client::FoundSensor& found) {
-    return found.by_link_alone() ? client::open_link_transport({.device_id = found.device_id,
-                                                                .session_id = found.session_id,
-                                                                .port = found.port,
-                                                                .called = found.serial})
-                                 : client::open_udp_transport(found.endpoint());
+    return found.by_link_alone() ? open_link(found) : client::open_udp_transport(found.endpoint());
   }
 
   // None: no answer, or not yet. Only who has the key is believed, and what he refuses for good
@@ -296,8 +339,10 @@ void tell(const AddressOptions& options, const AddressChange& change, const Kept
   const std::string who = change.device() ? "sensor " + std::to_string(*change.device()) : "sensor";
   say(kept.address.empty() ? who + ": saved over the cable; nobody has heard it there yet"
                            : who + ": heard at " + kept.address + ", and saved");
-  if (kept.place.ends_with("by broadcast")) {
-    say("this computer has no address of that network: it reaches the sensor by broadcast alone");
+  const bool by_broadcast = kept.place.ends_with("by broadcast");
+  if (by_broadcast || kept.place.starts_with("[fe80:")) {
+    say(std::string("this computer has no address of that network: it reaches the sensor by ") +
+        (by_broadcast ? "broadcast" : "IPv6 of the link") + " alone");
   }
   if (!kept.others.empty()) {
     say("saved with it, because it was changed and not saved before: " + joined(kept.others));

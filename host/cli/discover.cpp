@@ -55,6 +55,11 @@ std::string discover_line(const client::FoundSensor& sensor) {
   return line;
 }
 
+std::string rival_text(const client::FoundSensor& sensor) {
+  return "two sensors answer with serial number " + sensor.serial + ", at " + sensor.address +
+         " and " + sensor.rival + ": give each a number of its own (stofd --device)";
+}
+
 std::string discover_json(const std::vector<client::FoundSensor>& sensors) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const client::FoundSensor& sensor : sensors) {
@@ -64,6 +69,9 @@ std::string discover_json(const std::vector<client::FoundSensor>& sensors) {
         {"device_id", sensor.device_id}, {"version", sensor.version},
         {"board", sensor.board},         {"health", health_name(sensor.health)},
         {"found_by", methods_of(sensor)}};
+    if (!sensor.rival.empty()) {
+      entry["rival"] = sensor.rival;
+    }
     if (sensor.rate_millihertz) {
       entry["standby"] = sensor.standby;
       entry["rate_hz"] = static_cast<double>(*sensor.rate_millihertz) / 1000;
@@ -85,6 +93,9 @@ void discover(const DiscoverCommand& command) {
   } else {
     for (const client::FoundSensor& sensor : sensors) {
       say(discover_line(sensor));
+      if (!sensor.rival.empty()) {
+        say(rival_text(sensor));
+      }
     }
   }
   if (sensors.empty()) {

@@ -17,6 +17,8 @@ struct DiscoverCommand {
 
 // One line a sensor, as `stof discover` prints it.
 std::string discover_line(const client::FoundSensor& sensor);
+// One that two sensors answer as: which, and what to do.
+std::string rival_text(const client::FoundSensor& sensor);
 // The same as a JSON array.
 std::string discover_json(const std::vector<client::FoundSensor>& sensors);
 

@@ -79,6 +79,10 @@ std::uint32_t device_of(const client::Meant& meant) {
   return meant.device.value_or(meant.keys.count() == 0 ? 1 : meant.keys.all()[0].device);
 }
 
+std::string unknown_key_text(const std::string& told) {
+  return told.empty() ? "has none of your keys: pair with it (stof pair)" : told;
+}
+
 std::string id_text(const wire::Key& key) {
   std::array<char, 9> text{};
   std::snprintf(text.data(), text.size(), "%08x", key.id);

@@ -55,6 +55,9 @@ std::uint32_t device_of(const client::Meant& meant);
 // written does not matter.
 void remember_place(const std::string& key_file, const client::Place& place, std::uint32_t key_id);
 
+// Behind the sensor's name. told: the text of an answer with result kUnknownKey.
+std::string unknown_key_text(const std::string& told);
+
 std::string id_text(const wire::Key& key);  // 8 hexadecimal digits
 // Of the 8 hexadecimal digits of that flag; 0: no text. Throws Failure.
 std::uint32_t key_id_of(const std::string& text, const char* flag = "--key");

@@ -327,6 +327,11 @@ void pair_into(const PairOptions& options, const std::string& own) {
 
 void pair(const PairOptions& options) {
   need_crypto();
+  const wire::Key named{.name = wire::key_name(options.name)};
+  if (!options.name.empty() && named.name_text() != options.name) {
+    throw Failure(Exit::kBadInput,
+                  "--name: takes 1 to 32 letters, digits and . _ @ -, and nothing else");
+  }
   if (!options.digits.empty() && digits_in(options.digits).size() != kDigits) {
     throw Failure(Exit::kBadInput, "--digits: takes the six digits that the sensor tells");
   }
@@ -372,7 +377,8 @@ void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing) {
   command.add_option("--role", options.role, "What the key may: view, tune or admin")
       ->check(CLI::IsMember({"view", "tune", "admin"}))
       ->capture_default_str();
-  command.add_option("--name", options.name, "Whose it is (default: user@host)");
+  command.add_option("--name", options.name,
+                     "Whose it is, 1 to 32 letters, digits and . _ @ - (default: user@host)");
   command.add_flag("--json", options.json,
                    "A JSON object at the end, and nothing else; what is asked goes to stderr");
   command.callback([&options] { pair(options); });

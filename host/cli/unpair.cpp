@@ -45,7 +45,7 @@ client::ControlAnswer done(client::ControlAnswer answer, const std::string& plac
     return answer;
   }
   if (answer.result == wire::SettingsResult::kUnknownKey) {
-    answer.text = "has none of your keys";
+    answer.text = answer.text.empty() ? "has none of your keys" : answer.text;
   }
   throw Failure(
       answer.result == wire::SettingsResult::kInvalid ? Exit::kBadInput : Exit::kFailure,

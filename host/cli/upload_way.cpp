@@ -42,7 +42,7 @@ void refuse_upload(const client::UploadResult& answer, const std::string& place)
   using Result = wire::SettingsResult;
   std::string why = answer.text;
   if (answer.result == Result::kUnknownKey) {
-    why = "has none of your keys: pair with it (stof pair)";
+    why = unknown_key_text(answer.text);
   } else if (why.empty()) {
     why = "does not know this request: update the sensor";
   }

@@ -6,7 +6,7 @@ namespace stof::client {
 namespace {
 
 constexpr Duration kShortestTimeout = std::chrono::milliseconds(100);
-constexpr Duration kLongestPeriod = std::chrono::seconds(10);
+constexpr Duration kLongestTimeout = std::chrono::seconds(10);
 constexpr Duration kUnknownPeriod = std::chrono::milliseconds(100);
 constexpr Duration kAgeBeyondPeriod = std::chrono::milliseconds(100);
 
@@ -356,6 +356,8 @@ void Reassembler::close(FrameSlot& slot) {
     drop(slot, &Statistics::frames_stale);
     return;
   }
+  pace_.note(slot.last_packet());
+  messages_.note_frame(slot.made_with());
   if (comes_late(slot)) {
     ++late_frames_;
     drop(slot, &Statistics::frames_old);
@@ -426,15 +428,14 @@ FrameSlot* Reassembler::oldest(FrameSlot::State state) {
 }
 
 Duration Reassembler::period() const {
-  const std::int64_t period_ns = calibration() ? calibration()->period_ns : 0;
-  return Duration(std::clamp<std::int64_t>(period_ns, 0, kLongestPeriod.count()));
+  return pace_.believed(std::chrono::nanoseconds(calibration() ? calibration()->period_ns : 0));
 }
 
 Duration Reassembler::frame_timeout() const {
   if (options_.frame_timeout) {
     return *options_.frame_timeout;
   }
-  return std::clamp(period() + period() / 2, kShortestTimeout, kLongestPeriod);
+  return std::clamp(period() + period() / 2, kShortestTimeout, kLongestTimeout);
 }
 
 Duration Reassembler::assumed_period() const {

@@ -12,6 +12,7 @@
 #include "host/client/frame/frame_slot.h"
 #include "host/client/reassembler_options.h"
 #include "host/client/session/frame_delay.h"
+#include "host/client/session/frame_pace.h"
 #include "host/client/session/frame_sequence.h"
 #include "host/client/session/session_messages.h"
 #include "host/client/session/session_tracker.h"
@@ -55,11 +56,11 @@ class Reassembler {
 
   const Statistics& statistics() const noexcept { return statistics_; }
   // Datagrams that no sensor can have sent; what is not signed only once there is a key.
-  std::uint64_t forgeries() const noexcept { return forgeries_; }
+  std::uint64_t forgeries() const noexcept { return forgeries_ + messages_.lies(); }
   // Frames that came too late, by their stamps.
   std::uint64_t late_frames() const noexcept { return late_frames_; }
   FrameDelay& delay() noexcept { return delay_; }
-  // Of the sensor's trigger, at most 10 s; 0: not known.
+  // Of the sensor's trigger, as it tells and frames come (FramePace); 0: not known.
   Duration period() const;
   // The newest of the current session.
   const std::optional<wire::CalibrationPacket>& calibration() const noexcept {
@@ -120,6 +121,7 @@ class Reassembler {
   std::uint64_t finished_ = 0;  // frames, over all sessions
 
   SessionTracker session_;
+  FramePace pace_;  // a start of the sensor changes nothing of it
   // The state of the session.
   FrameSequence sequence_;
   FrameDelay delay_;

@@ -232,6 +232,8 @@ const std::optional<wire::HealthReport>& Receiver::health() const noexcept {
   return parts_->reassembler.health();
 }
 
+Duration Receiver::period() const { return parts_->reassembler.period(); }
+
 const std::optional<wire::CalibrationPacket>& Receiver::calibration() const noexcept {
   return parts_->reassembler.calibration();
 }

@@ -66,6 +66,9 @@ class Receiver {
   // The newest of the session, as far as next() has read; absent until the first one arrived.
   const std::optional<wire::HealthReport>& health() const noexcept;
   const std::optional<wire::CalibrationPacket>& calibration() const noexcept;
+  // Of the sensor's trigger, as it tells and as frames come, so that nothing it tells alone makes
+  // anybody wait longer; 0: not known.
+  Duration period() const;
   // What is known of the sensor by this machine's clock, now.
   LinkState link() const noexcept;
   const LinkWatch& link_watch() const noexcept;  // the same for other times and threads, as a copy

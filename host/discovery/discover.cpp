@@ -25,6 +25,7 @@ constexpr std::array<std::byte, 4> kGroup4{std::byte{224}, std::byte{0}, std::by
 
 // When questions are asked: any of them may be lost.
 constexpr std::array kAsk{0ms, 300ms, 1000ms, 1900ms};
+constexpr auto kAnswered = 500ms;  // what comes later may be a sensor that has started again
 
 in_addr address4(std::uint8_t a, std::uint8_t b, std::uint8_t c, std::uint8_t d) {
   return in_addr{.s_addr = htonl((std::uint32_t{a} << 24) | (std::uint32_t{b} << 16) |
@@ -76,7 +77,10 @@ class Search {
 
   bool any_open() const { return ask4_.is_open() || ask6_.is_open() || beacons_.is_open(); }
 
+  void end_answers() { found_.end_answers(); }
+
   void ask() {
+    found_.begin_answers();
     const posix::Interfaces interfaces = posix::list_interfaces();
     std::vector<in_addr> near = interfaces.broadcasts;
     near.push_back(address4(127, 0, 0, 1));
@@ -201,6 +205,9 @@ std::expected<std::vector<FoundSensor>, DiscoverError> discover(const DiscoverOp
     const Clock::time_point next =
         asked_times < kAsk.size() ? std::min(end, begin + kAsk[asked_times]) : end;
     search.wait(next);
+    if (asked_times > 0 && Clock::now() >= begin + kAsk[asked_times - 1] + kAnswered) {
+      search.end_answers();
+    }
     search.take();
     if (options.wanted && !found && search.has_answer(options.wanted)) {
       found = true;

@@ -124,6 +124,7 @@ FoundSensor& FoundSensors::entry(std::uint32_t device_id, const std::string& ser
   }
   if (sensors_.size() == kMostSensors) {
     sensors_.pop_back();
+    std::erase_if(answers_, [this](const Answer& one) { return one.sensor == sensors_.size(); });
   }
   return sensors_.emplace_back(FoundSensor{.device_id = device_id, .serial = serial, .port = port});
 }
@@ -158,6 +159,26 @@ void FoundSensors::note_address(FoundSensor& sensor, const std::string& from,
   }
 }
 
+void FoundSensors::begin_answers() noexcept {
+  answers_.clear();
+  open_ = true;
+}
+
+void FoundSensors::note_answer(FoundSensor& sensor, std::uint32_t session,
+                               const std::string& from) {
+  const auto at = static_cast<std::size_t>(&sensor - sensors_.data());
+  const auto known = std::ranges::find(answers_, at, &Answer::sensor);
+  if (!open_ || known == answers_.end()) {
+    if (open_) {
+      answers_.push_back({.sensor = at, .session = session, .from = from});
+    }
+    return;
+  }
+  if (known->session != session) {
+    sensor.rival = sensor.address == from ? known->from : from;
+  }
+}
+
 bool FoundSensors::take_packet(std::span<const std::byte> datagram, const std::string& from,
                                DiscoveryMethod method) {
   const auto packet = wire::parse_packet(datagram);
@@ -172,6 +193,9 @@ bool FoundSensors::take_packet(std::span<const std::byte> datagram, const std::s
       entry(packet->header.origin.device_id, shown(announce->serial), announce->port);
   found_by(sensor, from, method);
   sensor.session_id = packet->header.origin.session_id;
+  if (announce->request_id != 0) {
+    note_answer(sensor, sensor.session_id, from);
+  }
   sensor.answers_link =
       sensor.answers_link || (method == DiscoveryMethod::kBeacon && announce->request_id != 0);
   sensor.name = shown(announce->name);

@@ -34,6 +34,9 @@ struct FoundSensor {
   std::array<bool, kDiscoveryMethods> methods{};
   bool answers_link = false;         // a question to a whole link, by broadcast
   std::vector<std::string> heard{};  // addresses that it sent from, as `address`
+  // Where another one is that answered the same question with this number, port and another
+  // session: no sensor has two at once. Empty: there is none.
+  std::string rival{};
   // Known from beacons and answers only.
   std::optional<wire::Health> health{};
   std::optional<std::uint32_t> rate_millihertz{};  // frames of its last second, 1/1000 Hz
@@ -53,6 +56,9 @@ struct FoundSensor {
 // The sensors that many datagrams name, each once. No socket.
 class FoundSensors {
  public:
+  // Until end_answers() answers are to one question, which a sensor answers in one session.
+  void begin_answers() noexcept;
+  void end_answers() noexcept { open_ = false; }
   // One datagram of the wire format. False: it is not an announcement of a sensor.
   bool take_packet(std::span<const std::byte> datagram, const std::string& from,
                    DiscoveryMethod method);
@@ -67,9 +73,19 @@ class FoundSensors {
  private:
   FoundSensor& entry(std::uint32_t device_id, const std::string& serial, std::uint16_t port);
   void found_by(FoundSensor& sensor, const std::string& from, DiscoveryMethod method);
+  void note_answer(FoundSensor& sensor, std::uint32_t session, const std::string& from);
   void note_address(FoundSensor& sensor, const std::string& from, DiscoveryMethod method);
 
+  // Who has answered, and in which session.
+  struct Answer {
+    std::size_t sensor = 0;  // in sensors_
+    std::uint32_t session = 0;
+    std::string from;
+  };
+
   std::vector<FoundSensor> sensors_;
+  std::vector<Answer> answers_;  // to the question that was asked last, one a sensor
+  bool open_ = false;
   std::vector<std::string> silent_;
   std::set<std::string> asked_;  // that were among these
 };

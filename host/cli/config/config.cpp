@@ -97,12 +97,12 @@ class Session {
       case wire::SettingsResult::kOk:
         return std::move(*answer);
       case wire::SettingsResult::kInvalid:
-        throw Failure(Exit::kBadInput, answer->text);
+        throw Failure(Exit::kBadInput, place_ + ": " + answer->text);
       case wire::SettingsResult::kDenied:
       case wire::SettingsResult::kNotSaved:
         throw Failure(Exit::kFailure, place_ + ": " + answer->text);
       case wire::SettingsResult::kUnknownKey:
-        throw Failure(Exit::kFailure, place_ + ": has none of your keys: pair with it (stof pair)");
+        throw Failure(Exit::kFailure, place_ + ": " + unknown_key_text(answer->text));
       case wire::SettingsResult::kBusy:
         throw Failure(Exit::kFailure, place_ + ": is busy: try again");
       default:

@@ -31,10 +31,7 @@ bool frames_stay_away(const client::Receiver& receiver, client::Time began, doub
                       client::Time now) {
   const client::LinkState link = receiver.link();
   const client::Time newest = link.frame_age ? std::max(began, now - *link.frame_age) : began;
-  constexpr std::int64_t kLongestPeriodNs = 60'000'000'000;  // whatever it tells
-  const std::int64_t told = receiver.calibration() ? receiver.calibration()->period_ns : 0;
-  const std::chrono::nanoseconds period(std::clamp<std::int64_t>(told, 0, kLongestPeriodNs));
-  return now - newest > std::chrono::duration<double>(timeout_s) + period;
+  return now - newest > std::chrono::duration<double>(timeout_s) + receiver.period();
 }
 
 }  // namespace stof::host

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/cli/discover.h"
 #include "host/cli/failure.h"
 #include "host/client/control/link_transport.h"
 #include "host/client/sensor_socket.h"
@@ -54,6 +55,13 @@ void refuse_file(const std::string& called) {
   }
 }
 
+void refuse_rivals(const client::FoundSensor& sensor) {
+  if (!sensor.rival.empty()) {
+    throw Failure(Exit::kBadInput,
+                  rival_text(sensor) + "; until then name each by its address, or switch one off");
+  }
+}
+
 Way look_for(const std::string& called) {
   const auto fits = [&](const client::FoundSensor& sensor) {
     return sensor.serial == called || sensor.name == called;
@@ -67,6 +75,7 @@ Way look_for(const std::string& called) {
   // A serial number is one sensor's; a name may be another one's number.
   const auto by_serial = std::ranges::find(found, called, &client::FoundSensor::serial);
   if (by_serial != found.end()) {
+    refuse_rivals(*by_serial);
     return way_to(*by_serial);
   }
   if (found.size() > 1) {
@@ -88,6 +97,9 @@ Way look_for(const std::string& called) {
                   called +
                       ": does not exist: no file, no sensor near and no host has that name: "
                       "stof discover lists the sensors");
+  }
+  if (!found.empty()) {
+    refuse_rivals(found.front());
   }
   return found.empty() ? Way{.endpoint = called, .link = {}} : way_to(found.front());
 }

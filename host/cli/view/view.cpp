@@ -97,9 +97,8 @@ class View {
 
   // Without an exposure that has all raw pictures.
   std::chrono::duration<double> raw_patience() const {
-    const std::int64_t period_ns = receiver_.calibration() ? receiver_.calibration()->period_ns : 0;
     return std::chrono::duration<double>(options_.timeout_s) +
-           std::chrono::nanoseconds(period_ns * std::max<std::int64_t>(options_.raw.every, 1));
+           receiver_.period() * std::max<std::int64_t>(options_.raw.every, 1);
   }
 
   void take_raw() {

@@ -10,49 +10,11 @@
 #include "firmware/wire/messages/settings_request.h"
 #include "host/client/control/known_sensors.h"
 #include "host/client/printable.h"
-#include "host/client/sensor_socket.h"
 
 namespace stof::client {
 namespace {
 
 constexpr Duration kBusyPause = std::chrono::milliseconds(50);
-constexpr int kMostBehind = 64;  // packets that are looked at behind a deadline
-
-class UdpTransport final : public ControlTransport {
- public:
-  explicit UdpTransport(std::unique_ptr<SensorSocket> socket) : socket_(std::move(socket)) {}
-
-  Status send(std::span<const std::byte> packet) override { return socket_->send(packet); }
-
-  Result<std::vector<std::byte>> receive(Duration timeout) override {
-    if (next_ == read_) {
-      Result<std::size_t> read = socket_->receive();
-      if (read && *read == 0 && !socket_->take_refusal()) {
-        if (const Status waited = socket_->wait(timeout); waited != Status::kOk) {
-          return fail(waited);
-        }
-        read = socket_->receive();
-      }
-      if (!read) {
-        return fail(read.error());
-      }
-      next_ = 0;
-      read_ = *read;
-      if (read_ == 0) {
-        return fail(Status::kDeviceError);
-      }
-    }
-    const std::span<const std::byte> datagram = socket_->packet(next_++);
-    return std::vector<std::byte>(datagram.begin(), datagram.end());
-  }
-
-  std::string place() const override { return socket_->place(); }
-
- private:
-  std::unique_ptr<SensorSocket> socket_;
-  std::size_t read_ = 0;
-  std::size_t next_ = 0;
-};
 
 // What everybody may read.
 bool only_reads(wire::SettingsOperation operation) {
@@ -62,34 +24,10 @@ bool only_reads(wire::SettingsOperation operation) {
 
 }  // namespace
 
-std::expected<std::unique_ptr<ControlTransport>, ControlError> open_udp_transport(
-    std::string_view sensor) {
-  constexpr int kBuffer = 1 << 16;
-  auto socket = SensorSocket::connect(sensor, kBuffer);
-  if (!socket) {
-    return std::unexpected(std::move(socket.error()));
-  }
-  return std::make_unique<UdpTransport>(std::move(*socket));
-}
-
-Result<std::vector<std::byte>> receive_until(ControlTransport& transport, Time deadline,
-                                             int& behind) {
-  for (;;) {
-    const Duration left = deadline - Time::clock::now();
-    const bool over = left <= Duration::zero();
-    if (over && ++behind > kMostBehind) {
-      return fail(Status::kTimeout);
-    }
-    Result<std::vector<std::byte>> bytes = transport.receive(std::max(left, Duration::zero()));
-    if (bytes || bytes.error() != Status::kTimeout || over) {
-      return bytes;
-    }
-  }
-}
-
 struct ControlClient::Part {
   wire::SettingsAnswer answer;
   std::string text;
+  bool is_signed = false;
 };
 
 ControlClient::ControlClient(std::unique_ptr<ControlTransport> transport,
@@ -199,6 +137,8 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     wire::SettingsOperation operation, wire::SettingsDocument document, std::uint16_t offset,
     std::string_view text) {
   ++request_id_;
+  answered_ = false;
+  offered_.clear();
   std::optional<Part> refusal;
   bool hurried = false;  // asked at once upon a cookie
   for (int attempt = 0; attempt < options_.attempts;) {
@@ -207,7 +147,7 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     }
     const bool sealed = signer_.key() != nullptr;
     if (keys_refused_ && !only_reads(operation)) {
-      return Part{.answer = {.result = wire::SettingsResult::kUnknownKey}, .text = {}};
+      return keys_unknown();
     }
     if (!sealed && cookie_ != 0 && !takes_unsigned(operation)) {
       return std::unexpected(unproven());
@@ -304,10 +244,14 @@ std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::a
     std::uint32_t request_id, bool sealed) {
   const Time begin = Time::clock::now();
   const Time deadline = std::min(begin + options_.timeout, std::max(begin, deadline_));
+  // Whoever hears the request may refuse it: the sensor's own answer may come behind that.
+  const bool anybody = sealed && transport_->reach() == Reach::kLink;
+  std::optional<Part> refusal;
   for (int behind = 0;;) {
     const Result<std::vector<std::byte>> bytes = receive_until(*transport_, deadline, behind);
     if (!bytes && bytes.error() == Status::kTimeout) {
-      return std::nullopt;
+      cookie_ = offered_.take().value_or(cookie_);
+      return refusal;
     }
     if (!bytes && bytes.error() == Status::kDeviceLost) {
       return std::unexpected(error(bytes.error(), "the connection failed: open it again"));
@@ -315,8 +259,13 @@ std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::a
     if (!bytes) {
       continue;  // nobody listens yet
     }
-    if (std::optional<Part> part = read_answer(*bytes, request_id, sealed)) {
+    std::optional<Part> part = read_answer(*bytes, request_id, sealed);
+    if (part && (!anybody || part->is_signed)) {
+      offered_.clear();
       return part;
+    }
+    if (!refusal) {
+      refusal = std::move(part);
     }
   }
 }
@@ -334,7 +283,9 @@ std::optional<ControlClient::Part> ControlClient::read_answer(std::span<const st
   const std::optional<RequestSigner::Answer> signed_answer = signer_.open(*packet, datagram);
   if (signed_answer) {
     payload = signed_answer->payload;
-    proven_ = Proof{.device = packet->header.origin.device_id, .key_id = signer_.key()->id};
+    proven_ = Proof{.device = packet->header.origin.device_id,
+                    .key_id = signer_.key()->id,
+                    .from = transport_->from()};
   } else if (packet->header.type != wire::PacketType::kSettingsAnswer) {
     return std::nullopt;
   }
@@ -347,11 +298,18 @@ std::optional<ControlClient::Part> ControlClient::read_answer(std::span<const st
   if (sealed && !signed_answer && judged) {
     return std::nullopt;
   }
-  cookie_ = answer->cookie;
+  if (sealed && !signed_answer && transport_->reach() == Reach::kLink) {
+    offered_.add(answer->cookie);
+  } else {
+    cookie_ = answer->cookie;
+  }
+  answered_ = true;
   signer_.note_origin(packet->header.origin);
   signer_.note_highest(signed_answer ? signed_answer->highest : 0);
   const std::span<const std::byte> text = payload.subspan(wire::kSettingsAnswerBytes);
-  Part part{.answer = *answer, .text = std::string(text.size(), '\0')};
+  Part part{.answer = *answer,
+            .text = std::string(text.size(), '\0'),
+            .is_signed = signed_answer.has_value()};
   std::ranges::transform(text, part.text.begin(),
                          [](std::byte byte) { return static_cast<char>(byte); });
   return part;
@@ -398,10 +356,25 @@ std::optional<ControlError> ControlClient::another_sensor() {
 }
 
 ControlError ControlClient::silent() const {
+  if (answered_) {
+    return error(Status::kTimeout,
+                 "asks for another cookie whatever it is shown: somebody answers in its place, or "
+                 "it has just started: try again");
+  }
   const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(options_.timeout);
   return error(Status::kTimeout, "no answer within " +
                                      std::to_string(waited.count() * options_.attempts) +
-                                     " ms: check that the sensor runs, and its address");
+                                     " ms: " + to_check(transport_->reach()));
+}
+
+ControlClient::Part ControlClient::keys_unknown() const {
+  const bool anybody = transport_->reach() == Reach::kLink;
+  return Part{.answer = {.result = wire::SettingsResult::kUnknownKey},
+              .text = anybody
+                          ? "has none of your keys, it says without a signature, as anybody of "
+                            "the link can: pair with it (stof pair), or see whether it did what "
+                            "was asked (stof config get, stof unpair --list)"
+                          : ""};
 }
 
 ControlError ControlClient::used_up() const {

@@ -15,37 +15,12 @@
 #include "firmware/wire/keys/key_table.h"
 #include "firmware/wire/messages/enums.h"
 #include "firmware/wire/packet.h"
+#include "host/client/control/control_transport.h"
 #include "host/client/control/request_signer.h"
 #include "host/client/error.h"
 #include "host/client/frame/frame.h"
 
 namespace stof::client {
-
-// Carries whole packets to a sensor and back: UDP (open_udp_transport) or a serial line.
-class ControlTransport {
- public:
-  virtual ~ControlTransport() = default;
-  // One sealed packet, at most wire::kMaxDatagram bytes. kDeviceError: nobody can be reached now;
-  // kDeviceLost: the socket or line failed.
-  virtual Status send(std::span<const std::byte> packet) = 0;
-  // The next packet, any bytes, of any type. kTimeout; kDeviceError: nobody listens there (ask
-  // again); kDeviceLost.
-  virtual Result<std::vector<std::byte>> receive(Duration timeout) = 0;
-  // For messages: "192.168.1.20:7560".
-  virtual std::string place() const = 0;
-};
-
-// The next packet until `deadline`, and what lies there behind it. kTimeout: there is none. Others
-// as receive(). behind: 0 at the first call for a deadline, then left alone; it bounds a flood.
-Result<std::vector<std::byte>> receive_until(ControlTransport& transport, Time deadline,
-                                             int& behind);
-
-using ControlError = OpenError;
-
-// sensor: HOST[:PORT], port 7560 without; an IPv6 address with a port in brackets. May block on a
-// name server. kInvalidArgument: not such a thing, kDeviceError: no such host or no network.
-std::expected<std::unique_ptr<ControlTransport>, ControlError> open_udp_transport(
-    std::string_view sensor);
 
 // Which answers without a signature are believed where they are not only read.
 enum class Unsigned : std::uint8_t {
@@ -68,7 +43,8 @@ struct ControlOptions {
 };
 
 struct ControlAnswer {
-  // Never kCookie or kStale. kUnknownKey: the sensor has none of the keys, and nothing was changed.
+  // Never kCookie or kStale. kUnknownKey: the sensor has none of the keys, and nothing was changed;
+  // by Reach::kLink, where anybody may say so, `text` says what that proves.
   wire::SettingsResult result = wire::SettingsResult::kOk;
   // Of get: the whole document, as the sensor gave it: any bytes, for a terminal see printable.h.
   // Else one line that can be printed: of a refusal which field, and what it takes.
@@ -110,6 +86,7 @@ class ControlClient {
   struct Proof {
     std::uint32_t device = 0;
     std::uint32_t key_id = 0;
+    std::string from{};  // of the newest of these answers, as ControlTransport::from()
   };
   const std::optional<Proof>& proven() const { return proven_; }
 
@@ -133,6 +110,7 @@ class ControlClient {
   bool takes_unsigned(wire::SettingsOperation operation) const;
   ControlError unproven() const;
   ControlError silent() const;
+  Part keys_unknown() const;
   std::optional<ControlError> another_sensor();
   ControlError used_up() const;
   ControlError error(Status status, std::string_view what) const;
@@ -143,6 +121,8 @@ class ControlClient {
   bool keys_refused_ = false;  // the sensor has none of those that there are of it
   std::optional<Proof> proven_;
   std::uint64_t cookie_ = 0;
+  OfferedCookies offered_;  // by Reach::kLink
+  bool answered_ = false;   // something came upon the request that is asked now
   std::uint32_t request_id_;
   Time deadline_;  // of the request that is asked now
 };

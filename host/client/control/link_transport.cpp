@@ -55,7 +55,7 @@ class LinkTransport final : public ControlTransport {
     const Time deadline = Time::clock::now() + timeout;
     std::array<std::byte, wire::kMaxDatagram + 1> space{};
     for (;;) {
-      const auto got = socket_.receive(space);
+      const auto got = socket_.receive(space, &from_);
       if (got && is_answer(std::span(space).first(*got))) {
         return std::vector<std::byte>(space.begin(),
                                       space.begin() + static_cast<std::ptrdiff_t>(*got));
@@ -72,6 +72,8 @@ class LinkTransport final : public ControlTransport {
   }
 
   std::string place() const override { return target_.called + ", by broadcast"; }
+  std::string from() const override { return from_.host(); }
+  Reach reach() const override { return Reach::kLink; }
 
  private:
   // Everybody near tells the same port who he is, and hears what others are answered.
@@ -88,6 +90,7 @@ class LinkTransport final : public ControlTransport {
 
   posix::UdpSocket socket_;
   LinkTarget target_;
+  posix::SocketAddress from_;
 };
 
 }  // namespace

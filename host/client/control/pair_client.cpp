@@ -16,15 +16,30 @@ using wire::PairStep;
 
 constexpr Duration kPoll = std::chrono::milliseconds(200);
 
+constexpr std::string_view kNothing = ": nothing was paired";
+
 constexpr std::string_view wrong_text(PairMethod method) noexcept {
   switch (method) {
     case PairMethod::kCode:
-      return "has another code, or somebody is between you: nothing was paired";
+      return "has another code, or somebody is between you";
     case PairMethod::kDigits:
       return "somebody is between you, its button was pressed (a hold of less than 3 seconds is a "
-             "press), or it took too long: nothing was paired";
+             "press), or it took too long";
     default:
-      return "somebody is between you, or it took too long: nothing was paired";
+      return "somebody is between you, or it took too long";
+  }
+}
+
+// How far an answer goes: of several to one request the furthest counts.
+int rank(PairResult result) noexcept {
+  switch (result) {
+    case PairResult::kWaiting:
+    case PairResult::kOk:
+      return 2;
+    case PairResult::kCookie:
+      return 0;
+    default:
+      return 1;
   }
 }
 
@@ -104,17 +119,16 @@ std::expected<wire::Key, ControlError> PairClient::finish(Duration patience,
   wire::put_bytes(secrets_->client_tag(), confirm.value);
   const Time deadline = Time::clock::now() + patience;
   for (;;) {
-    const auto answer = ask(confirm);
+    const auto answer = transport_->reach() == Reach::kLink ? ask_overheard(confirm) : ask(confirm);
     if (!answer) {
-      return std::unexpected(answer.error());
+      return unproven(answer.error());
     }
-    if (answer->result == PairResult::kOk &&
-        wire::equal_secrets(wire::bytes_in<wire::Tag>(answer->value), secrets_->done_tag())) {
+    if (is_done(*answer)) {
       ended_ = true;
       return key();
     }
     if (answer->result != PairResult::kWaiting && answer->result != PairResult::kOk) {
-      return refuse(answer->result);
+      return refuse_confirmed(answer->result);
     }
     const bool late = Time::clock::now() >= deadline;
     if (late || (goes_on && !goes_on())) {
@@ -124,6 +138,34 @@ std::expected<wire::Key, ControlError> PairClient::finish(Duration patience,
     }
     std::this_thread::sleep_for(kPoll);
   }
+}
+
+bool PairClient::is_done(const wire::PairAnswer& answer) const {
+  return answer.result == PairResult::kOk &&
+         wire::equal_secrets(wire::bytes_in<wire::Tag>(answer.value), secrets_->done_tag());
+}
+
+// What refuses a confirm is signed by nobody, and the sensor may have taken it.
+std::unexpected<ControlError> PairClient::refuse_confirmed(PairResult why) const {
+  if (transport_->reach() == Reach::kLink) {
+    return unproven(why == PairResult::kWrong
+                        ? error(Status::kCorrupt, wrong_text(wish_.method)).error()
+                        : refuse(why).error());
+  }
+  if (why != PairResult::kWrong) {
+    return refuse(why);
+  }
+  return error(Status::kCorrupt, std::string(wrong_text(wish_.method)) + std::string(kNothing) +
+                                     ", unless somebody made this answer up (stof unpair --list "
+                                     "tells)");
+}
+
+std::unexpected<ControlError> PairClient::unproven(ControlError why) const {
+  why.message += wish_.method == PairMethod::kKey
+                     ? ": whether it has taken the new secret nobody has proven: try again with "
+                       "--renew"
+                     : ": a key may have been made: stof unpair --list tells";
+  return std::unexpected(std::move(why));
 }
 
 std::expected<PairWindow, ControlError> PairClient::open_window() {
@@ -198,14 +240,52 @@ std::expected<wire::PairAnswer, ControlError> PairClient::ask(wire::PairRequest 
     if (const Status sent = send(request); sent == Status::kDeviceLost) {
       return error(sent, "the connection failed: open it again");
     }
-    const std::optional<wire::PairAnswer> answer = await(request_id_);
+    const std::optional<wire::PairAnswer> answer =
+        await(request_id_, Time::clock::now() + options_.timeout);
+    cookie_ = answer ? answer->cookie : cookie_;
     if (answer && answer->result != PairResult::kCookie) {
       return *answer;
     }
     attempt += answer && !hurried ? 0 : 1;
     hurried = answer.has_value();
   }
-  return error(Status::kTimeout, "no answer: check that the sensor runs, and its address");
+  return no_answer();
+}
+
+// All of the link hear the request, and any of them may refuse it, before the sensor or after: only
+// the time ends it.
+std::expected<wire::PairAnswer, ControlError> PairClient::ask_overheard(wire::PairRequest request) {
+  std::optional<wire::PairAnswer> furthest;
+  OfferedCookies offered;
+  for (int attempt = 0; attempt < options_.attempts; ++attempt) {
+    if (const Status sent = send(request); sent == Status::kDeviceLost) {
+      return error(sent, "the connection failed: open it again");
+    }
+    const Time deadline = Time::clock::now() + options_.timeout;
+    while (const std::optional<wire::PairAnswer> answer = await(request_id_, deadline)) {
+      if (is_done(*answer)) {
+        return *answer;
+      }
+      if (answer->result == PairResult::kCookie) {
+        offered.add(answer->cookie);
+      }
+      if (!furthest || rank(answer->result) > rank(furthest->result)) {
+        furthest = answer;
+      }
+    }
+    if (furthest && furthest->result == PairResult::kWaiting) {
+      break;
+    }
+    cookie_ = offered.take().value_or(cookie_);
+  }
+  if (!furthest || furthest->result == PairResult::kCookie) {
+    return no_answer();
+  }
+  return *furthest;
+}
+
+std::unexpected<ControlError> PairClient::no_answer() const {
+  return error(Status::kTimeout, std::string("no answer: ") + to_check(transport_->reach()));
 }
 
 Status PairClient::send(wire::PairRequest& request) {
@@ -222,8 +302,7 @@ Status PairClient::send(wire::PairRequest& request) {
                         wire::kPairRequestBytes, buffer));
 }
 
-std::optional<wire::PairAnswer> PairClient::await(std::uint32_t request_id) {
-  const Time deadline = Time::clock::now() + options_.timeout;
+std::optional<wire::PairAnswer> PairClient::await(std::uint32_t request_id, Time deadline) {
   for (int behind = 0;;) {
     const Result<std::vector<std::byte>> bytes = receive_until(*transport_, deadline, behind);
     if (!bytes && (bytes.error() == Status::kTimeout || bytes.error() == Status::kDeviceLost)) {
@@ -238,7 +317,6 @@ std::optional<wire::PairAnswer> PairClient::await(std::uint32_t request_id) {
     const Result<wire::PairAnswer> answer = wire::decode_pair_answer(packet->payload);
     if (answer && answer->request_id == request_id) {
       heard_ = packet->header.origin;
-      cookie_ = answer->cookie;
       return *answer;
     }
   }
@@ -278,7 +356,7 @@ std::unexpected<ControlError> PairClient::refuse(PairResult why) const {
                        : "its code made ten keys, it spares its flash: once an hour from now on; "
                          "its button and its cable pair at any time");
     case PairResult::kWrong:
-      return error(Status::kCorrupt, wrong_text(wish_.method));
+      return error(Status::kCorrupt, std::string(wrong_text(wish_.method)) + std::string(kNothing));
     default:
       break;
   }

@@ -64,7 +64,12 @@ class PairClient {
   void give_up(wire::PairRequest request);
   Status send(wire::PairRequest& request);
   std::expected<wire::PairAnswer, ControlError> ask(wire::PairRequest request);
-  std::optional<wire::PairAnswer> await(std::uint32_t request_id);
+  std::expected<wire::PairAnswer, ControlError> ask_overheard(wire::PairRequest request);
+  std::optional<wire::PairAnswer> await(std::uint32_t request_id, Time deadline);
+  bool is_done(const wire::PairAnswer& answer) const;
+  std::unexpected<ControlError> refuse_confirmed(wire::PairResult why) const;
+  std::unexpected<ControlError> unproven(ControlError why) const;
+  std::unexpected<ControlError> no_answer() const;
   wire::PairRequest request(wire::PairStep step) const;
   std::unexpected<ControlError> refuse(wire::PairResult why) const;
   std::unexpected<ControlError> error(Status status, std::string_view what) const;

@@ -30,6 +30,14 @@ class PacketSet {
   std::vector<std::uint64_t> words_;
 };
 
+// What a frame says that it was made with.
+struct MadeWith {
+  std::uint32_t settings = 0;     // their revision
+  std::uint32_t calibration = 0;  // its fingerprint
+
+  friend bool operator==(const MadeWith&, const MadeWith&) = default;
+};
+
 // One frame being put together. Keeps its memory from frame to frame.
 class FrameSlot {
  public:
@@ -70,6 +78,12 @@ class FrameSlot {
   Time last_packet() const noexcept { return last_packet_; }
   const PacketSet& packets() const noexcept { return packets_; }
   const PacketSet& parity_packets() const noexcept { return parity_packets_; }
+  // Nothing: that packet did not arrive.
+  std::optional<MadeWith> made_with() const noexcept {
+    return info_ ? std::optional(MadeWith{.settings = info_->settings_revision,
+                                          .calibration = info_->calibration_fingerprint})
+                 : std::nullopt;
+  }
   void keep_calibration(const std::optional<wire::CalibrationPacket>& calibration) {
     calibration_ = calibration;
   }

@@ -52,6 +52,7 @@ class SerialTransport final : public ControlTransport {
     return std::move(packet->bytes);
   }
   std::string place() const override { return line_->device(); }
+  Reach reach() const override { return Reach::kLine; }
 
  private:
   std::shared_ptr<SerialLine> line_;

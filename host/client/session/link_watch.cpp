@@ -33,7 +33,8 @@ void LinkWatch::look(const Reassembler& reassembler, Time now) noexcept {
   health_at_ = messages.health() ? std::optional(messages.health_at()) : std::nullopt;
   calibration_at_ =
       messages.calibration() ? std::optional(messages.calibration_at()) : std::nullopt;
-  period_ = reassembler.period();
+  // A start that may never have been makes nobody wait longer.
+  period_ = reassembler.period() > Duration(0) ? reassembler.period() : period_;
 }
 
 void LinkWatch::delivered(const Frame& frame) noexcept {

@@ -12,7 +12,8 @@ namespace stof::client {
 // it tells is. An age counts from the arrival at this machine; none: there is none yet. For the age
 // of what a frame shows add FrameInfo::latency_ns, from the exposure to the sending.
 struct LinkState {
-  // No frame for three periods and 20 ms; 500 ms as long as the period is not known.
+  // No frame for three periods and 20 ms; 500 ms as long as the period is not known. The period is
+  // that of Reassembler::period(): what the sensor tells, as far as frames bear it out.
   bool silent = true;
   // The sensor started again: for a second, and until the first frame after that start.
   bool restarted = false;

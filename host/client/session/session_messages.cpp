@@ -4,6 +4,7 @@
 
 #include "firmware/wire/calibration/calibration_packet.h"
 #include "host/client/frame/frame_slot.h"
+#include "host/client/session/frame_pace.h"
 
 namespace stof::client {
 namespace {
@@ -23,14 +24,34 @@ bool follows(std::uint64_t uptime_ms, std::uint64_t before_ms, Time then, Time n
   return uptime_ms >= before_ms && uptime_ms - before_ms <= most + kUptimeSlackMs;
 }
 
+bool is_period(std::int64_t period_ns) noexcept {
+  return period_ns >= 0 && std::chrono::nanoseconds(period_ns) <= FramePace::kLongest;
+}
+
+// Whether both may be said of one rig, or are of two: settings change the range and the period, and
+// one picture in place of another on a serial line its size and its unit.
+bool same_rig(const wire::CalibrationPacket& one, const wire::CalibrationPacket& other) noexcept {
+  if (one.fingerprint != other.fingerprint || one.fingerprint == 0 ||
+      one.image_width != other.image_width || one.image_height != other.image_height ||
+      one.depth_unit_um != other.depth_unit_um) {
+    return true;
+  }
+  wire::CalibrationPacket compared = one;
+  compared.max_range = other.max_range;
+  compared.period_ns = other.period_ns;
+  return compared == other;
+}
+
 }  // namespace
 
 std::size_t SessionMessages::restart() {
   const std::size_t untaken = events_in_ - events_out_;
   raw_.restart();
   RawAssembler raw = std::move(raw_);  // its counts are the receiver's
+  const std::uint64_t lies = lies_;
   *this = SessionMessages();
   raw_ = std::move(raw);
+  lies_ = lies;
   return untaken;
 }
 
@@ -41,17 +62,46 @@ MessageOutcome SessionMessages::push_calibration(const wire::PacketView& packet,
     return MessageOutcome::kContradicting;
   }
   const std::uint32_t number = packet.header.frame.number;
-  if (!frames.plausible(number, arrived)) {
+  if (!frames.plausible(number, arrived) || !is_period(decoded->period_ns)) {
     return MessageOutcome::kImplausible;
   }
   const bool ordered = calibration_ && frames.plausible(calibration_frame_, arrived);
   if (ordered && number_distance(number, calibration_frame_) < 0) {
     return MessageOutcome::kLate;
   }
-  calibration_ = *decoded;
+  if (contradicts(*decoded, arrived)) {
+    return MessageOutcome::kImplausible;
+  }
+  keep(*decoded);
   calibration_frame_ = number;
   calibration_at_ = arrived;
   return MessageOutcome::kTaken;
+}
+
+// The known one may be the lie: then it is not sent again, and this one is.
+bool SessionMessages::contradicts(const wire::CalibrationPacket& calibration, Time arrived) {
+  if (!calibration_ || same_rig(calibration, *calibration_)) {
+    doubted_.reset();
+    return false;
+  }
+  const bool again = doubted_ && doubted_->calibration == calibration;
+  if (again && arrived - doubted_->at >= kRepetition) {
+    doubted_.reset();
+    return false;
+  }
+  if (!again) {
+    doubted_ = Doubted{.calibration = calibration, .at = arrived};
+  }
+  return true;
+}
+
+void SessionMessages::keep(const wire::CalibrationPacket& calibration) {
+  if (calibration_ && *calibration_ != calibration) {
+    const bool returns = made_ && former_ && former_->calibration == calibration;
+    lies_ += returns && former_->made == made_ ? 1U : 0U;
+    former_ = Former{.calibration = *calibration_, .made = made_};
+  }
+  calibration_ = calibration;
 }
 
 // Health goes on while no frame is sent: its order is that of the uptime.

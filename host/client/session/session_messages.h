@@ -10,6 +10,7 @@
 #include "firmware/wire/messages/health.h"
 #include "firmware/wire/packet.h"
 #include "host/client/frame/frame.h"
+#include "host/client/frame/frame_slot.h"
 #include "host/client/raw/raw_assembler.h"
 #include "host/client/session/frame_sequence.h"
 
@@ -21,13 +22,14 @@ enum class MessageOutcome : std::uint8_t {
   kDuplicate,
   kLate,  // a newer one arrived before
   kContradicting,
-  kImplausible,  // ahead of what any sensor can have counted
+  kImplausible,  // ahead of what any sensor can have counted, or else no sensor's
 };
 
 // The messages of one session beside its frames. `arrived`: when the packet did; never earlier than
 // the one before. Each counter may advance as fast as the time that has passed, and a little more.
 // Where what is known is wrong nevertheless, it is replaced: health after 2.5 seconds without one
-// that was believed, by one whose uptime advances; events by one that is repeated.
+// that was believed, by one whose uptime advances; events by one that is repeated; a calibration by
+// one of the same fingerprint that is repeated while the known one is not.
 class SessionMessages {
  public:
   // most_raw_pixels: of a raw picture.
@@ -39,6 +41,11 @@ class SessionMessages {
   // frames: of the same session; a calibration tells the number of the frame it was sent beside.
   MessageOutcome push_calibration(const wire::PacketView& packet, const FrameSequence& frames,
                                   Time arrived);
+  // A frame was closed. A calibration that goes again, though no frame was made with other settings
+  // or another calibration meanwhile, was never the sensor's.
+  void note_frame(const std::optional<MadeWith>& made) noexcept { made_ = made ? made : made_; }
+  // Such calibrations, over all sessions.
+  std::uint64_t lies() const noexcept { return lies_; }
   MessageOutcome push_health(const wire::PacketView& packet, Time arrived);
   // overflow: an older event was given up for it.
   MessageOutcome push_event(const wire::PacketView& packet, Time arrived, bool& overflow);
@@ -66,10 +73,26 @@ class SessionMessages {
     Time at;
   };
 
+  // Another calibration than the known one under its fingerprint, said for the first time.
+  bool contradicts(const wire::CalibrationPacket& calibration, Time arrived);
+  void keep(const wire::CalibrationPacket& calibration);
   bool seen(std::uint32_t sequence) const noexcept;
   bool believes_uptime(std::uint64_t uptime_ms, Time arrived) const noexcept;
   bool repeats_refused_event(std::uint32_t sequence, Time arrived) noexcept;
 
+  struct Doubted {
+    wire::CalibrationPacket calibration;
+    Time at;
+  };
+  struct Former {
+    wire::CalibrationPacket calibration;
+    std::optional<MadeWith> made;  // the newest frame when it went
+  };
+
+  std::optional<MadeWith> made_;  // the newest frame
+  std::uint64_t lies_ = 0;
+  std::optional<Doubted> doubted_;
+  std::optional<Former> former_;  // the calibration before
   std::optional<wire::CalibrationPacket> calibration_;
   std::uint32_t calibration_frame_ = 0;
   Time calibration_at_;

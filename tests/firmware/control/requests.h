@@ -28,11 +28,12 @@ inline hal::Peer peer(std::uint8_t last, std::uint16_t port = 5000) {
 }
 
 inline Bytes sealed(wire::PacketType type, std::span<const std::byte> payload,
-                    std::uint32_t device_id = 0) {
+                    std::uint32_t device_id = 0, std::uint32_t session_id = 0) {
   wire::DatagramBuffer buffer;
   std::ranges::copy(payload, wire::payload_space(buffer).begin());
-  const std::span<const std::byte> datagram =
-      wire::seal_packet({.type = type, .origin = {.device_id = device_id}}, payload.size(), buffer);
+  const std::span<const std::byte> datagram = wire::seal_packet(
+      {.type = type, .origin = {.device_id = device_id, .session_id = session_id}}, payload.size(),
+      buffer);
   return {datagram.begin(), datagram.end()};
 }
 

@@ -6,6 +6,7 @@ stands for the image's program that sets addresses. As root where `ip netns` is 
 import json
 import os
 import pathlib
+import signal
 import socket
 import subprocess
 import sys
@@ -45,6 +46,20 @@ while (left := end - time.monotonic()) > 0:
 """
 
 
+FORGE = """
+import socket, struct, sys, time
+raw = socket.socket(socket.AF_INET, socket.SOCK_RAW, socket.IPPROTO_RAW)
+raw.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+raw.setsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, b"stof1")
+words = bytes.fromhex(sys.argv[2])
+udp = struct.pack("!HHHH", 7560, 7561, 8 + len(words), 0) + words
+head = struct.pack("!BBHHHBBH4s4s", 0x45, 0, 20 + len(udp), 1, 0, 1, 17, 0, socket.inet_aton(sys.argv[1]), b"\\xff" * 4)
+while True:
+    raw.sendto(head + udp, ("255.255.255.255", 0))
+    time.sleep(0.2)
+"""
+
+
 def make_network(ipv6):
     if not (ip("netns", "add", NEAR) and ip("netns", "add", FAR)):
         return False
@@ -63,7 +78,8 @@ class Setter(threading.Thread):
 
     def __init__(self, wanted, done):
         super().__init__()
-        self.wanted, self.done, self.ended, self.lost = wanted, done, False, None
+        self.wanted, self.done, self.ended, self.lost, self.leases = wanted, done, False, None, True
+        self.lease = LEASE
         self.log = []
 
     def run(self):
@@ -82,8 +98,8 @@ class Setter(threading.Thread):
         address = words.get("address")
         if address is not None and address != self.lost:
             ip("-n", FAR, "addr", "add", address, "brd", "+", "dev", "stof1")
-        if words["dhcp"] == "yes":
-            ip("-n", FAR, "addr", "add", LEASE, "brd", "+", "dev", "stof1")
+        if words["dhcp"] == "yes" and self.leases:
+            ip("-n", FAR, "addr", "add", self.lease, "brd", "+", "dev", "stof1")
 
 
 class Address(unittest.TestCase):
@@ -210,6 +226,51 @@ class ByBroadcast(Address):
         self.assertEqual(self.ask("config", SERIAL, "get", "network.address").strip(), FIRST)
         self.assertEqual(self.saved()["address"], FIRST)
 
+    def test_an_address_that_a_stranger_tells_of_it_is_not_its_own(self):
+        self.pair()
+        discover = wire.seal(wire.Header(type=wire.PacketType.DISCOVER), wire.Discover(request_id=7).pack())
+        announced = self.link(7561, discover)
+        self.setter.leases = False
+        stranger = subprocess.Popen(within(FAR, [sys.executable, "-c", FORGE, "10.0.0.200", announced.hex()]))
+        self.addCleanup(lambda: (stranger.kill(), stranger.wait()))
+        ended = self.stof("address", SERIAL, "dhcp", "--wait", "8", "--json")
+        self.assertEqual((ended.returncode, ended.stdout, ended.stderr.count("\n")), (1, "", 1), ended.stderr)
+        self.assertIn("is not heard at its new address: it goes back", ended.stderr)
+        self.assertEqual((self.saved()["address"], self.saved()["dhcp"]), (FIRST, False))
+
+    def test_an_address_that_is_taken_is_refused(self):
+        self.pair()
+        asked = len(self.setter.log)
+        discover = wire.seal(wire.Header(type=wire.PacketType.DISCOVER), wire.Discover(request_id=7).pack())
+        header, payload = wire.parse(self.link(7561, discover))
+        header.origin = wire.Origin(device_id=DEVICE + 1, session_id=77)
+        other = wire.seal(header, payload)
+        stranger = subprocess.Popen(within(FAR, [sys.executable, "-c", FORGE, "192.168.1.77", other.hex()]))
+        self.addCleanup(lambda: (stranger.kill(), stranger.wait()))
+        for address, fact in (("192.168.1.77/24", "is heard there"), (OURS, "is this computer's own")):
+            ended = self.stof("address", SERIAL, address)
+            self.assertEqual((ended.returncode, ended.stdout, ended.stderr.count("\n")), (2, "", 1), ended.stderr)
+            self.assertIn(fact, ended.stderr)
+        self.assertEqual(len(self.setter.log), asked)
+
+    def test_who_gives_up_is_told_what_comes_of_it(self):
+        self.pair()
+        self.setter.lost = "192.168.1.52/24"
+        changing = subprocess.Popen(within(NEAR, [*COMMAND, "address", SERIAL, self.setter.lost]), stdout=subprocess.PIPE,
+                                    stderr=subprocess.PIPE, text=True, cwd=self.folder, env=self.environment)
+        self.until(lambda: "network is on trial" in self.said())
+        changing.send_signal(signal.SIGINT)
+        out, error = changing.communicate(timeout=ENOUGH_S)
+        self.assertEqual((changing.returncode, out, error.count("\n")), (1, "", 1), error)
+        self.assertIn("was given up", error)
+        self.assertIn("goes back to the one of before", error)
+
+    def test_where_a_lease_is_of_another_network_it_is_heard_there(self):
+        self.pair()
+        self.setter.lease = "10.0.0.60/24"
+        told = json.loads(self.ask("address", SERIAL, "dhcp", "--json"))
+        self.assertEqual((told["address"], self.saved()["address"], self.saved()["dhcp"]), ("10.0.0.60", "", True))
+
     def test_bad_words_change_nothing(self):
         self.pair()
         asked = len(self.setter.log)
@@ -255,6 +316,7 @@ class ByIpv6(Address):
         told = json.loads(self.ask("address", SERIAL, "172.16.0.9/24", "--json"))
         self.assertEqual(told["address"], "172.16.0.9")
         self.assertTrue(told["place"].startswith("[fe80:"), told)
+        self.assertIn("reaches the sensor by IPv6 of the link alone", self.ask("address", SERIAL, "172.16.0.10/24"))
         told = json.loads(self.ask("address", SERIAL, "192.168.1.50/24", "--json"))
         self.assertEqual((told["place"], self.saved()["address"]), ("192.168.1.50:7560", "192.168.1.50/24"))
         found = self.until(lambda: (sensor := self.found()) and "direct" in sensor["found_by"] and sensor)

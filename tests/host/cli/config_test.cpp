@@ -101,11 +101,11 @@ TEST_F(ConfigTest, SetsValuesOfEveryType) {
 
 TEST_F(ConfigTest, RefusalsOfTheSensorAreTheLine) {
   EXPECT_EQ(refusal({"set", "name=a", "streams.depth=foo"}),
-            std::pair(std::string("streams.depth: takes off, raw, rvl or fit, not \"foo\""),
+            std::pair(std::string("stub: streams.depth: takes off, raw, rvl or fit, not \"foo\""),
                       Exit::kBadInput));
   EXPECT_EQ(refusal({"set", "depth.disparities=200"}).second, Exit::kBadInput);
   EXPECT_EQ(refusal({"preset", "sea"}).first,
-            "preset: takes indoor, outdoor, near, fast or quality");
+            "stub: preset: takes indoor, outdoor, near, fast or quality");
   EXPECT_EQ(sensor_.server.active(), settings::Settings{});
   sensor_.store.break_down(true);
   EXPECT_EQ(refusal({"stage", "name=a"}).second, Exit::kOk);
@@ -161,7 +161,7 @@ TEST_F(ConfigTest, SetsWholeDocumentsAtomically) {
   document["discovery"]["beacon"] = "perhaps";
   std::ofstream(file) << document.dump(2);
   EXPECT_EQ(refusal({"set", file.string()}).first,
-            "discovery.beacon: takes true or false, not \"perhaps\"");
+            "stub: discovery.beacon: takes true or false, not \"perhaps\"");
   EXPECT_EQ(run({"get", "name"}), "whole\n");
   EXPECT_EQ(run({"get", "name"}, {.document = "staged"}), "whole\n");
   EXPECT_TRUE(run({"set", file.string(), "discovery.beacon=true"}).starts_with("revision 3"));

@@ -280,6 +280,12 @@ class Pair(unittest.TestCase):
         self.refuse(1, "takes a key", "config", self.address, "set", "period_ms=80")
         self.assertFalse(self.keys.exists())
 
+    def test_a_name_that_would_be_cut_or_changed_is_refused(self):
+        self.start("--label", self.label)
+        for name in ("n" * 33, "a b", "\x1b[31m"):
+            self.refuse(2, "--name: takes 1 to 32 letters", "pair", self.address, "--code", CODE, "--name", name)
+        self.assertFalse(self.keys.exists())
+
     def test_no_digits_are_no_middleman(self):
         self.start()
         self.press()

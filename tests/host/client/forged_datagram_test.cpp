@@ -11,6 +11,7 @@
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 #include "host/client/reassembler.h"
+#include "host/client/session/link_watch.h"
 #include "tests/host/client/sent_frame.h"
 
 namespace stof::client {
@@ -140,6 +141,140 @@ TEST_F(Forged, ACalibrationThatCameBeforeTheFirstFrameIsReplacedByTheNext) {
   EXPECT_EQ(send(30), 30);
   calibration(number_, 111);
   EXPECT_EQ(reassembler_.calibration()->fx, 111);
+}
+
+// The same, looked at as a receiver does.
+class ForgedPeriod : public Forged {
+ protected:
+  FrameSpec made(std::uint32_t settings = 0) const {
+    FrameSpec frame = spec(number_, number_);
+    frame.calibration = 77;
+    frame.settings = settings;
+    return frame;
+  }
+  // A frame a period, with the true calibration before every tenth.
+  void stream(int frames, Duration period, std::uint32_t settings = 0) {
+    for (int i = 0; i < frames; ++i) {
+      now_ += period;
+      ++number_;
+      if (i % 10 == 0) {
+        say(period / std::chrono::nanoseconds(1));
+      }
+      reassembler_.push(test::datagrams(made(settings)).front(), now_);
+      if (const std::optional<Frame> frame = reassembler_.take(now_)) {
+        watch_.delivered(*frame);
+      }
+      watch_.look(reassembler_, now_);
+    }
+  }
+  void say(std::int64_t period_ns, std::int32_t fx = 65536, std::uint32_t fingerprint = 77) {
+    FrameSpec frame = made();
+    frame.calibration = fingerprint;
+    reassembler_.push(test::calibration_datagram(frame, period_ns, fx), now_);
+    watch_.look(reassembler_, now_);
+  }
+  // How long after the newest frame silence is told; nothing: not within an hour.
+  std::optional<Duration> told_after() {
+    for (Duration after{0}; after < std::chrono::hours(1); after += milliseconds(1)) {
+      if (watch_.state(now_ + after).silent) {
+        return after;
+      }
+    }
+    return std::nullopt;
+  }
+
+  LinkWatch watch_{kStart};
+};
+
+constexpr std::array<std::int64_t, 6> kLies{
+    std::numeric_limits<std::int64_t>::max(), 60'000'000'001, 60'000'000'000, 1'000'000'000, 0,
+    std::numeric_limits<std::int64_t>::min()};
+
+TEST_F(ForgedPeriod, PutsOffNoAlarmForSilence) {
+  for (const std::int64_t lie : kLies) {
+    stream(20, kPeriod);
+    ASSERT_LE(told_after(), 3 * kPeriod + milliseconds(21)) << lie;
+    say(lie);
+    EXPECT_LE(told_after(), 3 * (kPeriod + kPeriod / 8) + milliseconds(21)) << lie;
+  }
+}
+
+TEST_F(ForgedPeriod, OfAStartThatNeverWasPutsOffNone) {
+  stream(20, kPeriod);
+  FrameSpec frame = made();
+  frame.origin.session_id += 1;
+  reassembler_.push(test::calibration_datagram(frame, kLies[2]), now_);
+  watch_.look(reassembler_, now_);
+  EXPECT_LE(told_after(), 3 * (kPeriod + kPeriod / 8) + milliseconds(21));
+}
+
+TEST_F(ForgedPeriod, BeforeTheSecondFrameIsASecondAtMost) {
+  stream(1, kPeriod);
+  say(60'000'000'000);
+  EXPECT_LE(told_after(), milliseconds(3021));
+}
+
+TEST_F(ForgedPeriod, ThatNoSensorTakesIsTold) {
+  stream(20, kPeriod);
+  ASSERT_FALSE(watch_.state(now_).forged_traffic);
+  say(60'000'000'001);
+  EXPECT_TRUE(watch_.state(now_).forged_traffic);
+  EXPECT_EQ(reassembler_.calibration()->period_ns, kPeriod / std::chrono::nanoseconds(1));
+}
+
+TEST_F(ForgedPeriod, IsToldWhenTheTrueOneComesAgain) {
+  stream(20, kPeriod);
+  say(1'000'000'000);
+  EXPECT_FALSE(watch_.state(now_).forged_traffic) << "somebody may have set it";
+  stream(1, kPeriod);
+  EXPECT_TRUE(watch_.state(now_).forged_traffic);
+}
+
+TEST_F(ForgedPeriod, OneThatWasSetAndSetBackIsNoForgery) {
+  stream(20, kPeriod, 1);
+  stream(1, 3 * kPeriod, 2);
+  stream(20, kPeriod, 3);
+  EXPECT_FALSE(watch_.state(now_).forged_traffic);
+}
+
+TEST_F(ForgedPeriod, ASlowerOneCountsOnceFramesComeSo) {
+  stream(20, kPeriod);
+  stream(2, seconds(10));
+  const std::optional<Duration> told = told_after();
+  EXPECT_GE(told, seconds(30));
+  EXPECT_LE(told, seconds(30) + milliseconds(21));
+  stream(20, kPeriod);
+  EXPECT_LE(told_after(), 3 * kPeriod + milliseconds(21));
+}
+
+TEST_F(ForgedPeriod, MakesNoOldFrameNew) {
+  stream(20, kPeriod);
+  say(60'000'000'000);
+  ++number_;
+  reassembler_.push(test::datagrams(made()).front(), now_);
+  EXPECT_FALSE(reassembler_.take(now_ + milliseconds(200)));
+}
+
+TEST_F(ForgedPeriod, ALensThatContradictsItsFingerprintIsNotTakenAndTold) {
+  stream(20, kPeriod);
+  say(33'000'000, 666);
+  EXPECT_EQ(reassembler_.calibration()->fx, 65536);
+  EXPECT_TRUE(watch_.state(now_).forged_traffic);
+  stream(1, kPeriod);
+  now_ += seconds(1);
+  say(33'000'000, 666);
+  EXPECT_EQ(reassembler_.calibration()->fx, 65536) << "the true one came in between";
+  say(33'000'000, 667, 78);
+  EXPECT_EQ(reassembler_.calibration()->fx, 667) << "one that was installed";
+}
+
+TEST_F(ForgedPeriod, AFirstLensThatLiesIsReplacedByTheSecondTrueOne) {
+  say(33'000'000, 666);
+  stream(1, kPeriod);
+  EXPECT_TRUE(watch_.state(now_).forged_traffic);
+  now_ += seconds(1);
+  stream(1, kPeriod);
+  EXPECT_EQ(reassembler_.calibration()->fx, 65536);
 }
 
 TEST_F(Forged, GoodHealthIsNotEternal) {

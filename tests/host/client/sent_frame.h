@@ -35,6 +35,7 @@ struct FrameSpec {
   bool parity = false;
   std::uint32_t steady_frames = 0;
   std::uint32_t calibration = 0;  // its fingerprint
+  std::uint32_t settings = 0;     // their revision
 };
 
 // The frame of this number, fresh, with pixels of its own.
@@ -76,8 +77,9 @@ inline std::vector<Datagram> datagrams(const FrameSpec& spec) {
   Coder coder(spec.origin, {.width = spec.width, .height = spec.height});
   wire::StreamChoice choice = raw_map();
   choice.parity = spec.parity;
-  return coder.code(stamp_of(spec), {.map = map.view()}, choice,
-                    {.calibration_fingerprint = spec.calibration});
+  return coder.code(
+      stamp_of(spec), {.map = map.view()}, choice,
+      {.settings_revision = spec.settings, .calibration_fingerprint = spec.calibration});
 }
 
 // A packet outside the frames.

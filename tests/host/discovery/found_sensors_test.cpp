@@ -13,7 +13,7 @@ namespace {
 namespace dns = wire::dns;
 
 std::vector<std::byte> announcement(const char* serial, std::uint16_t port = 7560,
-                                    std::uint32_t request_id = 0) {
+                                    std::uint32_t request_id = 0, std::uint32_t session = 5) {
   wire::Announce announce{
       .request_id = request_id, .port = port, .subscribers = 1, .most_subscribers = 4};
   std::ranges::copy(std::string_view(serial), announce.serial.begin());
@@ -21,7 +21,7 @@ std::vector<std::byte> announcement(const char* serial, std::uint16_t port = 756
   wire::DatagramBuffer buffer;
   wire::encode_announce(announce, wire::payload_space(buffer).first<wire::kAnnounceBytes>());
   const auto packet = wire::seal_packet({.type = wire::PacketType::kAnnounce,
-                                         .origin = {.device_id = 7, .session_id = 5},
+                                         .origin = {.device_id = 7, .session_id = session},
                                          .frame = {.health = wire::Health::kFault}},
                                         wire::kAnnounceBytes, buffer);
   return {packet.begin(), packet.end()};
@@ -73,6 +73,29 @@ TEST(FoundSensors, OfTwoAddressesThatAnswerTakesTheOneThatAllProgramsTake) {
   EXPECT_TRUE(found.take_packet(announcement("A17"), "192.0.2.3", DiscoveryMethod::kDirect));
   EXPECT_TRUE(found.take_packet(announcement("A17"), "fe80::1%eth0", DiscoveryMethod::kDirect));
   EXPECT_EQ(found.sorted()[0].address, "192.0.2.3");
+}
+
+TEST(FoundSensors, TwoThatAnswerOneQuestionWithOneNumberAreTold) {
+  FoundSensors found;
+  const auto answer = [&found](std::uint32_t session, const char* from, std::uint32_t request = 9) {
+    EXPECT_TRUE(found.take_packet(announcement("A17", 7560, request, session), from,
+                                  DiscoveryMethod::kDirect));
+  };
+  found.begin_answers();
+  answer(5, "192.0.2.3");
+  answer(5, "fe80::1%eth0");
+  found.begin_answers();
+  answer(6, "192.0.2.3");  // it has started again
+  answer(7, "192.0.2.3", 0);
+  found.end_answers();
+  answer(8, "192.0.2.3");
+  ASSERT_EQ(found.sorted().size(), 1U);
+  EXPECT_EQ(found.sorted()[0].rival, "");
+  found.begin_answers();
+  answer(8, "192.0.2.3");
+  answer(9, "192.0.2.4");
+  EXPECT_EQ(found.sorted()[0].address, "192.0.2.3");
+  EXPECT_EQ(found.sorted()[0].rival, "192.0.2.4");
 }
 
 // Its beacon may come from an address that this machine does not reach, and IPv6 leads there.

@@ -41,6 +41,10 @@ struct SensorInMemory {
   hal::Time now{1000s};
   std::function<void(Bytes&)> to_sensor = [](Bytes&) {};
   std::function<void(Bytes&)> to_client = [](Bytes&) {};
+  // What a stranger of the link says upon a request, before the sensor.
+  std::function<std::vector<Bytes>(const Bytes&)> stranger = [](const Bytes&) {
+    return std::vector<Bytes>{};
+  };
 };
 
 void reseal(Bytes& packet) {
@@ -48,7 +52,7 @@ void reseal(Bytes& packet) {
   wire::put_u32(std::span(packet).last<4>(), wire::crc32c(std::span(packet).first(end)));
 }
 
-enum class Way : std::uint8_t { kNetwork, kSerialLine };
+enum class Way : std::uint8_t { kNetwork, kSerialLine, kBroadcast };
 
 class Wire final : public ControlTransport {
  public:
@@ -56,6 +60,7 @@ class Wire final : public ControlTransport {
   Status send(std::span<const std::byte> packet) override {
     Bytes request(packet.begin(), packet.end());
     sensor_.to_sensor(request);
+    std::ranges::move(sensor_.stranger(request), std::back_inserter(waiting_));
     const auto answer = way_ == Way::kSerialLine
                             ? sensor_.line.take(request, sensor_.now)
                             : sensor_.handler.take(request, test::peer(1), sensor_.now);
@@ -78,6 +83,11 @@ class Wire final : public ControlTransport {
     return packet;
   }
   std::string place() const override { return "memory"; }
+  Reach reach() const override {
+    return way_ == Way::kBroadcast    ? Reach::kLink
+           : way_ == Way::kSerialLine ? Reach::kLine
+                                      : Reach::kAddress;
+  }
 
  private:
   SensorInMemory& sensor_;
@@ -235,6 +245,74 @@ TEST(PairClient, RepeatsWhatGetsLost) {
   ASSERT_TRUE(key) << key.error().message;
   ASSERT_EQ(sensor.ring.keys().count(), 1U);
   EXPECT_EQ(*key, sensor.ring.keys().all()[0]);
+}
+
+// All of the link hear the number of the request.
+Bytes forged(const Bytes& request, wire::PairResult result, std::uint64_t cookie) {
+  const auto packet = wire::parse_packet(request);
+  const auto asked = wire::decode_pair_request(packet->payload);
+  Bytes payload(wire::kPairAnswerBytes);
+  wire::encode_pair_answer({.request_id = asked->request_id, .result = result, .cookie = cookie},
+                           std::span(payload).first<wire::kPairAnswerBytes>());
+  return test::sealed(wire::PacketType::kPairAnswer, payload, 1, 7);
+}
+
+bool confirms(const Bytes& request) {
+  return wire::decode_pair_request(wire::parse_packet(request)->payload)->step ==
+         wire::PairStep::kConfirm;
+}
+
+TEST(PairClient, ByBroadcastNobodyElseEndsTheLastStep) {
+  for (const wire::PairResult lie :
+       {wire::PairResult::kWrong, wire::PairResult::kCookie, wire::PairResult::kWaiting,
+        wire::PairResult::kOk, wire::PairResult::kFull}) {
+    SensorInMemory sensor;
+    sensor.stranger = [lie, n = std::uint64_t{66}](const Bytes& request) mutable {
+      return confirms(request) ? std::vector<Bytes>{forged(request, lie, n++)}
+                               : std::vector<Bytes>{};
+    };
+    PairClient client = client_of(
+        sensor, {.method = PairMethod::kCode, .name = "ann", .known = {kCode.begin(), kCode.end()}},
+        Way::kBroadcast);
+    ASSERT_TRUE(client.start());
+    const auto key = client.finish(1s);
+    ASSERT_TRUE(key) << key.error().message;
+    EXPECT_EQ(*key, sensor.ring.keys().all()[0]);
+  }
+}
+
+TEST(PairClient, WhereTheLastAnswerDoesNotComeAKeyMayHaveBeenMade) {
+  const PairWish wish{
+      .method = PairMethod::kCode, .name = "ann", .known = {kCode.begin(), kCode.end()}};
+  for (const Way way : {Way::kNetwork, Way::kBroadcast, Way::kSerialLine}) {
+    for (const bool refused : {false, true}) {
+      SensorInMemory sensor;
+      bool last = false;
+      sensor.stranger = [&last, refused](const Bytes& request) {
+        last = confirms(request);
+        return last && refused ? std::vector<Bytes>{forged(request, wire::PairResult::kWrong, 66)}
+                               : std::vector<Bytes>{};
+      };
+      sensor.to_client = [&last](Bytes& answer) {
+        if (last) {
+          answer.clear();
+        }
+      };
+      PairClient client = client_of(sensor, wish, way);
+      ASSERT_TRUE(client.start());
+      const auto key = client.finish(1s);
+      ASSERT_FALSE(key);
+      ASSERT_EQ(sensor.ring.keys().count(), 1U);
+      EXPECT_NE(key.error().message.find("stof unpair --list tells"), std::string::npos)
+          << key.error().message;
+      EXPECT_EQ(key.error().message.find("nothing was paired") != std::string::npos,
+                refused && way != Way::kBroadcast)
+          << key.error().message;
+      EXPECT_EQ(key.error().message.find("address") != std::string::npos,
+                !refused && way != Way::kSerialLine)
+          << key.error().message;
+    }
+  }
 }
 
 // Whatever bit is changed on the way, in either direction: no key, or the sensor's.

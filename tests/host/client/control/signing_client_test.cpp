@@ -63,6 +63,7 @@ struct SensorInMemory {
   Noting settings;
   std::optional<keys::Authenticator> authenticator;
   std::optional<firmware::RequestHandler> handler;
+  Reach reach = Reach::kAddress;
   std::function<std::vector<Bytes>(Bytes)> between = [](Bytes answer) {
     return std::vector<Bytes>{std::move(answer)};
   };
@@ -89,6 +90,7 @@ class Cable final : public ControlTransport {
     return packet;
   }
   std::string place() const override { return "memory"; }
+  Reach reach() const override { return sensor_.reach; }
 
  private:
   SensorInMemory& sensor_;
@@ -259,6 +261,71 @@ TEST(SigningClient, BelievesNothingThatTheSensorDidNotSign) {
   const auto answer = set(client);
   ASSERT_FALSE(answer);
   EXPECT_EQ(answer.error().status, Status::kTimeout);
+}
+
+// What anybody says who hears the number of a request.
+Bytes forged(std::uint32_t request_id, SettingsResult result, std::uint64_t cookie) {
+  Bytes payload(wire::kSettingsAnswerBytes);
+  wire::encode_settings_answer({.request_id = request_id, .result = result, .cookie = cookie},
+                               std::span(payload).first<wire::kSettingsAnswerBytes>());
+  return test::sealed(wire::PacketType::kSettingsAnswer, payload, kDevice, 7);
+}
+
+std::uint32_t request_id_of(const Bytes& answer) {
+  const auto packet = wire::parse_packet(answer);
+  const auto view = wire::open_signed(*packet, answer);
+  return wire::decode_settings_answer(view ? view->payload : packet->payload)->request_id;
+}
+
+TEST(SigningClient, ByBroadcastNobodyElseEndsARequest) {
+  for (const SettingsResult lie : {SettingsResult::kUnknownKey, SettingsResult::kCookie}) {
+    SensorInMemory sensor;
+    sensor.reach = Reach::kLink;
+    ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+    ControlClient client = client_of(sensor, {numbered_key(4)});
+    ASSERT_TRUE(set(client));
+    sensor.between = [lie, cookie = std::uint64_t{66}](Bytes answer) mutable {
+      return std::vector<Bytes>{forged(request_id_of(answer), lie, cookie++), std::move(answer)};
+    };
+    for (int i = 0; i < 5; ++i) {
+      const auto answer = set(client);
+      ASSERT_TRUE(answer) << answer.error().message;
+      EXPECT_EQ(answer->result, SettingsResult::kOk) << i;
+    }
+    ControlClient later = client_of(sensor, {numbered_key(4)});
+    const auto answer = set(later);
+    ASSERT_TRUE(answer) << answer.error().message;
+    EXPECT_EQ(answer->result, SettingsResult::kOk);
+  }
+}
+
+TEST(SigningClient, ByBroadcastARefusalWithoutASignatureSaysThatItProvesNothing) {
+  SensorInMemory sensor;
+  sensor.reach = Reach::kLink;
+  ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+  ControlClient client = client_of(sensor, {numbered_key(4)});
+  ASSERT_TRUE(set(client));
+  sensor.between = [](const Bytes& answer) {
+    return std::vector<Bytes>{forged(request_id_of(answer), SettingsResult::kUnknownKey, 66)};
+  };
+  const auto refused = set(client);
+  ASSERT_TRUE(refused) << refused.error().message;
+  EXPECT_EQ(refused->result, SettingsResult::kUnknownKey);
+  EXPECT_NE(refused->text.find("as anybody of the link can"), std::string::npos);
+  EXPECT_EQ(sensor.settings.served, 2);
+}
+
+TEST(SigningClient, CookiesWithoutEndAreNotCalledSilence) {
+  SensorInMemory sensor;
+  ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+  ControlClient client = client_of(sensor, {numbered_key(4)});
+  ASSERT_TRUE(set(client));
+  sensor.between = [cookie = std::uint64_t{66}](const Bytes& answer) mutable {
+    return std::vector<Bytes>{forged(request_id_of(answer), SettingsResult::kCookie, cookie++)};
+  };
+  const auto answer = set(client);
+  ASSERT_FALSE(answer);
+  EXPECT_NE(answer.error().message.find("another cookie"), std::string::npos);
 }
 
 TEST(SigningClient, AnAnswerOfBeforeIsNotTheAnswerOfNow) {
