@@ -25,7 +25,8 @@ class FramePace {
   Duration believed(Duration told) const noexcept;
 
  private:
-  static constexpr std::size_t kGaps = 8;
+  // More than frames that a stalled network or reader gets at once.
+  static constexpr std::size_t kGaps = 32;
 
   std::optional<Time> newest_;
   std::array<Duration, kGaps> gaps_{};  // the newest ones; 0: none yet
