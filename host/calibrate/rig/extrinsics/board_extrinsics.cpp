@@ -140,7 +140,7 @@ class BoardProblem {
       for (std::size_t i = 0; i < views[n].pmd.size(); ++i) {
         const PixelPoint& found = views[n].pmd[i];
         const Whitening whitening = whitening_of(found, noise.pmd.scale, noise.pmd.floor);
-        const ceres::ResidualBlockId id = problem_.AddResidualBlock(
+        auto* const id = problem_.AddResidualBlock(
             new ceres::AutoDiffCostFunction<PmdCorner, 2, kPoseUnknowns, kPoseUnknowns>(
                 new PmdCorner{unknowns_of(pmd), left_turn, start_.transpose(),
                               board.at(static_cast<int>(i)), found, whitening}),
@@ -223,7 +223,7 @@ class BoardProblem {
                const PoseUnknowns& from_left, const CornerNoise& noise, std::size_t n) {
     for (std::size_t i = 0; i < corners.size(); ++i) {
       const Whitening whitening = whitening_of(corners[i], noise.scale, noise.floor);
-      const ceres::ResidualBlockId id = problem_.AddResidualBlock(
+      auto* const id = problem_.AddResidualBlock(
           new ceres::AutoDiffCostFunction<EyeCorner, 2, kPoseUnknowns>(new EyeCorner{
               unknowns_of(lens), from_left, board.at(static_cast<int>(i)), corners[i], whitening}),
           new ceres::HuberLoss(kHuberSigmas), boards_[n].data());
