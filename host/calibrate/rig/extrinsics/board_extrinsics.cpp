@@ -313,9 +313,11 @@ std::optional<ExtrinsicFit> fit_extrinsics(const Board& board,
     if (!covariance || !disagreement) {
       return std::nullopt;
     }
-    // Corners of a view share errors that their scatter does not show; views do not.
+    // Corners of a view share errors that their scatter does not show; views do not. A scale that
+    // is found from few views makes errors those of Student's t, whose variance is larger.
     fit.misfit = *disagreement;
-    fit.covariance = fit.misfit * *covariance;
+    const auto freedom = static_cast<double>(kPoseUnknowns * (views.size() - 1));
+    fit.covariance = fit.misfit * freedom / (freedom - 2) * *covariance;
     for (std::size_t n = 0; n < views.size(); ++n) {
       fit.wall_misfit.push_back(problem.view_misfit(n));
     }
