@@ -92,15 +92,24 @@ struct RawFeed::Parts {
         return "the socket failed: start again";
       }
       if (frames_stay_away(receiver, began, options.timeout_s, now)) {
-        return place_of(receiver) + ": " +
-               (receiver.link().frame_age ? "no frame came any more" + ended_text(receiver, options)
-                                          : no_frame_text(receiver, options));
+        return place_of(receiver) + ": " + silence();
       }
       if (std::optional<std::string> why = absence(now - seen, patience)) {
         return why;
       }
     }
     return std::nullopt;
+  }
+
+  // What stayed away with the frames.
+  std::string silence() {
+    const client::LinkState link = receiver.link();
+    if (!link.frame_age) {
+      return no_frame_text(receiver, options);
+    }
+    const bool alone = what_comes(link) == Comes::kHealthAlone;
+    return (alone ? "no frame came any more" : "the sensor fell silent") +
+           ended_text(receiver, options);
   }
 
   // Why there are no raw pictures, where none came for so long.

@@ -140,7 +140,7 @@ class BoardProblem {
       for (std::size_t i = 0; i < views[n].pmd.size(); ++i) {
         const PixelPoint& found = views[n].pmd[i];
         const Whitening whitening = whitening_of(found, noise.pmd.scale, noise.pmd.floor);
-        const ceres::ResidualBlockId id = problem_.AddResidualBlock(
+        auto* const id = problem_.AddResidualBlock(
             new ceres::AutoDiffCostFunction<PmdCorner, 2, kPoseUnknowns, kPoseUnknowns>(
                 new PmdCorner{unknowns_of(pmd), left_turn, start_.transpose(),
                               board.at(static_cast<int>(i)), found, whitening}),
@@ -223,7 +223,7 @@ class BoardProblem {
                const PoseUnknowns& from_left, const CornerNoise& noise, std::size_t n) {
     for (std::size_t i = 0; i < corners.size(); ++i) {
       const Whitening whitening = whitening_of(corners[i], noise.scale, noise.floor);
-      const ceres::ResidualBlockId id = problem_.AddResidualBlock(
+      auto* const id = problem_.AddResidualBlock(
           new ceres::AutoDiffCostFunction<EyeCorner, 2, kPoseUnknowns>(new EyeCorner{
               unknowns_of(lens), from_left, board.at(static_cast<int>(i)), corners[i], whitening}),
           new ceres::HuberLoss(kHuberSigmas), boards_[n].data());
@@ -313,9 +313,11 @@ std::optional<ExtrinsicFit> fit_extrinsics(const Board& board,
     if (!covariance || !disagreement) {
       return std::nullopt;
     }
-    // Corners of a view share errors that their scatter does not show; views do not.
+    // Corners of a view share errors that their scatter does not show; views do not. A scale that
+    // is found from few views makes errors those of Student's t, whose variance is larger.
     fit.misfit = *disagreement;
-    fit.covariance = fit.misfit * *covariance;
+    const auto freedom = static_cast<double>(kPoseUnknowns * (views.size() - 1));
+    fit.covariance = fit.misfit * freedom / (freedom - 2) * *covariance;
     for (std::size_t n = 0; n < views.size(); ++n) {
       fit.wall_misfit.push_back(problem.view_misfit(n));
     }

@@ -1,5 +1,7 @@
 #include "host/calibrate/rig/target/board_perspective.h"
 
+#include <utility>
+
 #include <opencv2/calib3d.hpp>
 
 #include "dsp/base/index.h"
@@ -27,8 +29,8 @@ std::optional<Vector2> straightened(const PixelPoint& found, const dsp::Pinhole*
 
 }  // namespace
 
-BoardPerspective::BoardPerspective(const Eigen::Matrix3d& matrix, const dsp::Pinhole* lens)
-    : matrix_(matrix) {
+BoardPerspective::BoardPerspective(Eigen::Matrix3d matrix, const dsp::Pinhole* lens)
+    : matrix_(std::move(matrix)) {
   if (lens != nullptr) {
     lens_ = *lens;
   }
@@ -89,16 +91,16 @@ PixelPoint BoardPerspective::at(const std::array<double, 2>& on_board) const {
 Matrix2 BoardPerspective::slope(const std::array<double, 2>& on_board) const {
   const Eigen::Vector3d place = matrix_ * Eigen::Vector3d(on_board[0], on_board[1], 1);
   const Vector2 at = place.head<2>() / place.z();
-  const Matrix2 slope =
+  Matrix2 slope =
       (matrix_.topLeftCorner<2, 2>() - at * matrix_.bottomLeftCorner<1, 2>()) / place.z();
-  if (!lens_) {
-    return slope;
+  if (lens_) {
+    constexpr double kStep = 0.5;  // px; distortion is smooth
+    Matrix2 of_lens;
+    of_lens.col(0) = through_lens(at + Vector2(kStep, 0)) - through_lens(at - Vector2(kStep, 0));
+    of_lens.col(1) = through_lens(at + Vector2(0, kStep)) - through_lens(at - Vector2(0, kStep));
+    slope = of_lens / (2 * kStep) * slope;
   }
-  constexpr double kStep = 0.5;  // px; distortion is smooth
-  Matrix2 of_lens;
-  of_lens.col(0) = through_lens(at + Vector2(kStep, 0)) - through_lens(at - Vector2(kStep, 0));
-  of_lens.col(1) = through_lens(at + Vector2(0, kStep)) - through_lens(at - Vector2(0, kStep));
-  return of_lens / (2 * kStep) * slope;
+  return slope;
 }
 
 Vector2 BoardPerspective::bend(const std::array<double, 2>& on_board, std::size_t axis,

@@ -33,7 +33,7 @@ class BoardPerspective {
                        double reach_m) const;
 
  private:
-  BoardPerspective(const Eigen::Matrix3d& matrix, const dsp::Pinhole* lens);
+  BoardPerspective(Eigen::Matrix3d matrix, const dsp::Pinhole* lens);
   Eigen::Vector2d straight(const std::array<double, 2>& on_board) const;
   Eigen::Vector2d through_lens(const Eigen::Vector2d& straight) const;
 

@@ -23,7 +23,9 @@ constexpr double kLeastBlur = 0.005;  // less is as sharp as pixels are
 constexpr double kMostBlur = 16;
 constexpr double kMostMoved = 2;         // px
 constexpr double kMostFalloff = 0.08;    // of the light, a pixel
+constexpr double kMostCurve = 0.01;      // of its logarithm, 1/px^2
 constexpr double kFewestForLight = 30;   // pixels that tell how light falls off
+constexpr double kFewestForCurve = 60;   // and how that changes
 constexpr double kLeastContrast = 0.02;  // of the picture's span
 constexpr double kMostMisfit = 0.12;     // rms of grey values, of white less black
 constexpr double kMostTurn = 0.3;        // rad
@@ -38,10 +40,13 @@ struct Model {
   std::array<double, 2> turn{};  // of each edge against its first normal, rad
   double blur = kFirstBlur;
   double black = 0;
-  double span = 0;                    // white less black
-  Vector2 falloff = Vector2::Zero();  // how much brighter both are a pixel to the right, and down
+  double span = 0;  // white less black
+  // How much brighter both are a pixel to the right, and down; and how that changes: the first and
+  // second derivatives of the light's logarithm, 1/px and 1/px^2.
+  Vector2 falloff = Vector2::Zero();
+  Matrix2 curve = Matrix2::Zero();
 };
-constexpr int kUnknowns = 9;
+constexpr int kUnknowns = 12;
 using Row = Eigen::Matrix<double, kUnknowns, 1>;
 
 Vector2 turned(const Vector2& normal, double angle) {
@@ -52,9 +57,10 @@ Vector2 turned(const Vector2& normal, double angle) {
 
 // Grey values around a corner less the model's, over the first span: what ceres::TinySolver makes
 // least. Unknowns: how far the corner moved, px; the turns of both edges, rad; the blur's
-// variance, px^2; black and span over the first span; the light's falloff, 1/px. Three more rows
-// hold what pixels do not tell: where few show the corner, the falloff at 0; and the blur of a
-// picture that is as sharp as pixels are.
+// variance, px^2; black and span over the first span; the light's falloff, 1/px, and its curve
+// along rows, along both, along columns, 1/px^2. More rows hold what pixels do not tell: where few
+// show the corner, falloff and curve at 0; and the blur of a picture that is as sharp as pixels
+// are.
 class GreyMisfit {
  public:
   using Scalar = double;
@@ -79,7 +85,11 @@ class GreyMisfit {
       }
     }
     const double used = 1 / weights_at(start.at).squaredNorm();
-    even_light_ = !(used >= kFewestForLight);
+    if (!(used >= kFewestForLight)) {
+      held_light_ = kLight;
+    } else if (!(used >= kFewestForCurve)) {
+      held_light_ = kLight - 2;
+    }
   }
 
   // Black and white by the first places of the edges; false: there is no such step.
@@ -107,7 +117,7 @@ class GreyMisfit {
 
   Row start() const {
     Row row;
-    row << 0, 0, 0, 0, start_.blur, start_.black / start_.span, 1, 0, 0;
+    row << 0, 0, 0, 0, start_.blur, start_.black / start_.span, 1, 0, 0, 0, 0, 0;
     return row;
   }
   Model model_of(const Row& x) const {
@@ -116,7 +126,8 @@ class GreyMisfit {
             .blur = std::max(kLeastBlur, x(kBlur)),
             .black = start_.span * x(5),
             .span = start_.span * x(6),
-            .falloff = x.tail<2>()};
+            .falloff = x.segment<2>(kFalloff),
+            .curve = curve_of(x)};
   }
 
   // NOLINTNEXTLINE(readability-identifier-naming): the solver's name
@@ -163,7 +174,7 @@ class GreyMisfit {
     Eigen::VectorXd weights = Eigen::VectorXd::Zero(NumResiduals());
     weights.head(NumResiduals() - kHeldRows) = weights_at(model_of(x).at);
     const double used = 1 / weights.squaredNorm();  // pixels, as if each counted whole or not
-    const int fitted = kUnknowns - (even_light_ ? 2 : 0) - (x(kBlur) < kLeastBlur ? 1 : 0);
+    const int fitted = kUnknowns - held_light_ - (x(kBlur) < kLeastBlur ? 1 : 0);
     if (!(used > fitted + 1)) {
       return std::nullopt;
     }
@@ -186,19 +197,30 @@ class GreyMisfit {
   };
   using Slopes = Eigen::Matrix<double, Eigen::Dynamic, kUnknowns>;
   static constexpr double kFar = 1e3;
-  static constexpr int kBlur = 4;  // the unknown
-  static constexpr int kHeldRows = 3;
+  static constexpr int kBlur = 4;  // the unknowns
+  static constexpr int kFalloff = 7;
+  static constexpr int kCurve = 9;
+  static constexpr int kLight = 5;          // of falloff and curve
+  static constexpr double kCurveHold = 30;  // px: what is held is next to nothing
+  static constexpr int kHeldRows = kLight + 1;
+
+  static Matrix2 curve_of(const Row& x) {
+    Matrix2 curve;
+    curve << x(kCurve), x(kCurve + 1), x(kCurve + 1), x(kCurve + 2);
+    return curve;
+  }
 
   void hold(const Row& x, Eigen::Map<Eigen::VectorXd>& off, double* slopes) const {
     Eigen::Matrix<double, kHeldRows, kUnknowns> rows;
     rows.setZero();
-    if (even_light_) {
-      off.tail<kHeldRows>().head<2>() = x.tail<2>();
-      rows.topRightCorner<2, 2>().setIdentity();
+    for (int i = kLight - held_light_; i < kLight; ++i) {
+      const double hold = i < kCurve - kFalloff ? 1 : kCurveHold;
+      off(off.size() - kHeldRows + i) = hold * x(kFalloff + i);
+      rows(i, kFalloff + i) = hold;
     }
     if (x(kBlur) < kLeastBlur) {
       off(off.size() - 1) = x(kBlur) - kLeastBlur;
-      rows(2, kBlur) = 1;
+      rows(kLight, kBlur) = 1;
     }
     if (slopes != nullptr) {
       Eigen::Map<Slopes>(slopes, NumResiduals(), kUnknowns).bottomRows<kHeldRows>() = rows;
@@ -217,19 +239,25 @@ class GreyMisfit {
                  Row& slopes) const {
     // What is smoothed is the lit print: a pixel has more of its brighter side, as if it lay there.
     const double spread = kPixelVariance + model.blur;
-    const Vector2 place = pixel - model.at + spread * model.falloff;
+    const Vector2 from_start = pixel - start_.at;  // where the light is 1
+    const Vector2 falloff = model.falloff + model.curve * from_start;
+    const Vector2 place = pixel - model.at + spread * falloff;
     const EdgeDistance across = distance_from(edges.normal[0], frame_.bend[0], place);
     const EdgeDistance down = distance_from(edges.normal[1], frame_.bend[1], place);
     const White white = white_at(edges, across.value, down.value);
-    const Vector2 from_start = pixel - start_.at;  // where the light is 1
-    const double light = 1 + model.falloff.dot(from_start);
+    const double light = std::exp((model.falloff + falloff).dot(from_start) / 2);
     const double lit = light * x(6);
     const double print = x(5) + x(6) * white.value;
     const Vector2 by_place = lit * (white.by_x * across.by_place + white.by_y * down.by_place);
     const bool blurred = x(kBlur) >= kLeastBlur;
+    const double x_off = from_start.x();
+    const double y_off = from_start.y();
+    const Vector2 moved = spread * by_place;
     slopes << -by_place, lit * white.by_x * across.by_turn, lit * white.by_y * down.by_turn,
-        blurred ? lit * white.by_blur + by_place.dot(model.falloff) : 0.0, light,
-        light * white.value, print * from_start + spread * by_place;
+        blurred ? lit * white.by_blur + by_place.dot(falloff) : 0.0, light, light * white.value,
+        light * print * from_start + moved, light * print * x_off * x_off / 2 + moved.x() * x_off,
+        light * print * x_off * y_off + moved.x() * y_off + moved.y() * x_off,
+        light * print * y_off * y_off / 2 + moved.y() * y_off;
     return light * print;
   }
 
@@ -245,13 +273,14 @@ class GreyMisfit {
   static bool usable(const Row& x) {
     return x.allFinite() && x.head<2>().norm() < kMostMoved && x(kBlur) < kMostBlur &&
            std::abs(x(2)) < kMostTurn && std::abs(x(3)) < kMostTurn &&
-           x.tail<2>().norm() < kMostFalloff;
+           x.segment<2>(kFalloff).norm() < kMostFalloff &&
+           x.segment<3>(kCurve).cwiseAbs().maxCoeff() < kMostCurve;
   }
 
   const CornerFrame& frame_;
   Model start_;
   std::vector<Pixel> pixels_;
-  bool even_light_ = false;
+  int held_light_ = 0;  // the last so many of falloff and curve
 };
 
 // nullopt: it ran away, or shows no corner.

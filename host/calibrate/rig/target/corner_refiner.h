@@ -19,7 +19,7 @@ struct RefineOptions {
 };
 
 // Where the printed edges of each corner cross, by least squares of grey values: the four squares
-// that meet there, in light that falls off evenly from one side to the other, their edges smoothed
+// that meet there, in light whose logarithm is a quadratic of the place, their edges smoothed
 // by the same Gaussian and by the pixels' square, as far as the print shows nothing else. corners:
 // in the order of Board, within a pixel or two of the truth; kUnseen stays kUnseen, and a corner
 // stays as it is where the values do not show one: no contrast, half outside of the picture, less

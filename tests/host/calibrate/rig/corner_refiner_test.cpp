@@ -1,6 +1,7 @@
 #include "host/calibrate/rig/target/corner_refiner.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -145,6 +146,72 @@ TEST(CornerRefiner, IsNotDrawnToTheLight) {
   std::printf("figure: corners are drawn by the light by %.4f and %.4f px\n", u, v);
   EXPECT_LT(std::hypot(u, v), 0.003);
   EXPECT_LT(rms(corners, truth), kClosePx);
+}
+
+// Squares of a board along one side of the picture, before a lamp whose light falls off as a
+// Gaussian does: what a pixel collects of it, the squares counted by turns as more and as less, or
+// all alike. Exact.
+struct LitSide {
+  double first = 0;   // corner
+  double square = 0;  // px
+  double lamp = 0;
+  double reach = 0;
+
+  double light(double begin, double end) const {
+    const double scale = reach * std::numbers::sqrt2;
+    return std::erf((end - lamp) / scale) - std::erf((begin - lamp) / scale);
+  }
+  double collected(int pixel, bool by_turns) const {
+    const double end = pixel + 0.5;
+    double sum = 0;
+    for (double at = pixel - 0.5; at < end;) {
+      const double number = std::floor((at - first) / square + 1e-9);
+      const double next = std::min(end, first + (number + 1) * square);
+      const bool even = std::fmod(std::abs(number), 2) == 0;
+      sum += light(at, next) * (by_turns && even ? -1 : 1);
+      at = next;
+    }
+    return sum;
+  }
+};
+
+dataset::Image<float> lit_squares(const LitSide& x, const LitSide& y) {
+  dataset::Image<float> picture(144, 104);
+  for (int v = 0; v < picture.height; ++v) {
+    for (int u = 0; u < picture.width; ++u) {
+      const double turns = x.collected(u, true) * y.collected(v, true);
+      const double light = x.collected(u, false) * y.collected(v, false);
+      picture.view().at(u, v) =
+          static_cast<float>(std::pow(x.reach * y.reach, 2) * (0.5 * light - 0.4 * turns));
+    }
+  }
+  return picture;
+}
+
+// Slopes of the light that are not the same all over the window draw corners as one slope does:
+// here all of them away from the lamp. What squares that lie along the pixels do is the same in
+// even light.
+TEST(CornerRefiner, IsNotDrawnByLightThatFallsOffFasterAndFaster) {
+  const Board board = named("9x6:0.04");
+  LitSide x{.first = 22.37, .square = 12.3, .lamp = 72, .reach = 40};
+  LitSide y{.first = 20.81, .square = 12.3, .lamp = 50, .reach = 40};
+  std::vector<PixelPoint> truth;
+  for (int i = 0; i < board.corners(); ++i) {
+    truth.push_back({.u = x.first + x.square * (i % board.columns),
+                     .v = y.first + y.square * (i / board.columns)});
+  }
+  Gaussian random(10);
+  std::vector<PixelPoint> lit = begun(truth, random);
+  std::vector<PixelPoint> even = lit;
+  EXPECT_EQ(std::ranges::count(refine_corners(lit_squares(x, y), board, lit), true),
+            board.corners());
+  x.reach = y.reach = 1e4;
+  EXPECT_EQ(std::ranges::count(refine_corners(lit_squares(x, y), board, even), true),
+            board.corners());
+  const double drawn = outwards(lit, even, {.cx = x.lamp, .cy = y.lamp});
+  std::printf("figure: corners are drawn away from the lamp by %.6f px\n", drawn);
+  EXPECT_LT(std::abs(drawn), 2e-4);
+  EXPECT_LT(rms(lit, truth), 0.003);
 }
 
 TEST(CornerRefiner, TakesSquaresOfFivePixels) {

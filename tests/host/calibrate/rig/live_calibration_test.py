@@ -195,6 +195,18 @@ class LiveCalibration(unittest.TestCase):
             (pose / "pmd_raw.pgm").rename(walls / f"{name}_raw.pgm")
         return walls
 
+    def small_rig(self, walls):
+        """Its calibration before the place of the PMD camera is known, and that of the PMD camera alone."""
+        camera, rig, pair = (self.folder / name for name in ("camera.cal", "small.cal", "pair.json"))
+        self.walls(0, "pmd", walls, "--out", camera)
+        lens = {"type_id": "opencv-matrix", "rows": 3, "cols": 3, "dt": "d", "data": [61.5, 0, 31.5, 0, 61.5, 23.5, 0, 0, 1]}
+        pair.write_text(json.dumps({"M1": lens, "M2": lens, "D1": {**lens, "rows": 1, "cols": 4, "data": [0, 0, 0, 0]},
+                                    "D2": {**lens, "rows": 1, "cols": 4, "data": [0, 0, 0, 0]},
+                                    "R": {**lens, "data": [1, 0, 0, 0, 1, 0, 0, 0, 1]},
+                                    "T": {**lens, "cols": 1, "data": [-0.12, 0, 0]}}), encoding="utf-8")
+        self.walls(0, "import", "opencv", pair, "--size", 64, 48, "--start", camera, "--out", rig)
+        return rig, camera
+
     def test_walls_at_known_distances_become_a_pmd_camera(self):
         walls, camera = self.known_walls(), self.folder / "camera.cal"
         self.walls(0, "pmd", walls, "--out", camera)
@@ -214,11 +226,15 @@ class LiveCalibration(unittest.TestCase):
         self.assertEqual(sorted(read), ["z1000", "z1400", "z1600", "z1800", "z2200"])
         self.assertLess(abs(read["z1600"]["error_mm"]), 20)
 
-    def leaves(self, pattern, *words):
-        """What `stof calib WORDS` complains of, when the sensor of the last start() was cut off from power at a line that has the pattern."""
-        running = subprocess.Popen([*COMMAND, "calib", *map(str, words), "--timeout", "2"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+    def leaves(self, pattern, *words, enters=0):
+        """What `stof calib WORDS` complains of, when Enter was pressed so often and the sensor of the last start() was cut off from power at a line
+        that has the pattern; then Enter is pressed once more."""
+        # Its health comes once a second: after 3 s nobody takes it for one that only lacks frames.
+        running = subprocess.Popen([*COMMAND, "calib", *map(str, words), "--timeout", "3"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, text=True)
         self.addCleanup(running.kill)
+        running.stdin.write("\n" * enters)
+        running.stdin.flush()
         said = ""
         while not re.search(pattern, said):
             line = running.stdout.readline()
@@ -230,37 +246,40 @@ class LiveCalibration(unittest.TestCase):
         rest, complaint = running.communicate(timeout=ENOUGH_S)
         self.assertEqual(running.returncode, 1, said + rest + complaint)
         self.assertEqual(complaint.count("\n"), 1, complaint)
-        self.assertIn(": the sensor fell silent: ", complaint)
+        self.assertIn(": the sensor fell silent, last health ", complaint)
         self.assertFalse(self.out.exists())
         return complaint
 
     def test_a_sensor_that_goes_away_in_the_middle(self):
         complaint = self.leaves(TAKEN, *self.words(self.start(*WAVE))[len(COMMAND) + 1:])
         self.assertRegex(complaint, rf"; views in {self.views}: \d+; run it again to go on")
-        camera, walls = self.folder / "camera.cal", self.known_walls()
-        self.walls(0, "pmd", walls, "--out", camera)
+        walls = self.known_walls()
+        rig, camera = self.small_rig(walls)
         sensor = self.start("--scene", "plane", "--poses", "distances:1.6", *BESIDE)
-        complaint = self.leaves("put the wall at 1.6 m", "pmd", walls, "--live", sensor, "--distances", "1.6", "--exposures", 200, "--start", camera,
-                                "--out", self.out)
-        self.assertIn(f"; walls in {walls}: 4", complaint)
+        complaint = self.leaves("put the wall at 2 m", "pmd", walls, "--live", sensor, "--distances", "1.6,2", "--exposures", 4, "--start", camera,
+                                "--out", self.out, enters=1)
+        self.assertIn(f"; walls in {walls}: 5", complaint)
         sensor = self.start("--scene", "plane", "--poses", "distances:1.6", *BESIDE)
-        complaint = self.leaves("missing: ", "extrinsics", "--live", sensor, "--calibration", camera, "--out", self.out)
+        complaint = self.leaves("hold still: ", "extrinsics", "--live", sensor, "--calibration", rig, "--out", self.out)
         self.assertIn("; no view was taken", complaint)
 
     def test_a_sensor_without_a_pmd_camera(self):
-        camera, walls = self.folder / "camera.cal", self.known_walls()
-        self.walls(0, "pmd", walls, "--out", camera)
+        walls = self.known_walls()
+        rig, camera = self.small_rig(walls)
         none = ["--live", self.start("--scene", "plane", "--poses", "distances:1.6", *BESIDE, "--no-tof"), "--timeout", 2]
-        for words, more in ((["extrinsics", *none, "--calibration", camera, "--out", self.out], "; no view was taken"),
+        for words, more in ((["extrinsics", *none, "--calibration", rig, "--out", self.out], "; no view was taken"),
                             (["pmd", walls, *none, "--distances", "1.6", "--start", camera, "--out", self.out], f"; walls in {walls}: 4"),
-                            (["check", *none, "--calibration", camera], "")):
+                            (["check", *none, "--calibration", rig], "")):
             _, complaint = self.walls(1, *words, enters=1)
             self.assertEqual(complaint.count("\n"), 1, complaint)
             self.assertIn(": the sensor has no PMD camera: connect it, or name a sensor that has one" + more, complaint)
             self.assertFalse(self.out.exists())
+        # A file without a pair is told before a sensor is asked.
+        _, complaint = self.walls(2, "extrinsics", "--live", "127.0.0.1:9", "--calibration", camera, "--out", self.out)
+        self.assertIn("camera.cal: holds no stereo pair: calibrate it first", complaint)
         # One that has it in its calibration, but whose camera gives nothing.
         broken = self.start("--scene", "plane", "--poses", "distances:1.6", *BESIDE, "--fault", "pmd:vanish:0+1000000")
-        _, complaint = self.walls(1, "extrinsics", "--live", broken, "--timeout", 2, "--calibration", camera, "--out", self.out)
+        _, complaint = self.walls(1, "extrinsics", "--live", broken, "--timeout", 2, "--calibration", rig, "--out", self.out)
         self.assertEqual(complaint.count("\n"), 1, complaint)
         self.assertIn("no raw pictures came: the link is too slow", complaint)
 
