@@ -127,12 +127,14 @@ class Pairing(Panels):
             # Given up.
             self.press(sensor)
             self.begin(page, "digits")
+            self.digits(sensor, 2)  # it tells them with its next frame: not where they are given up before
             self.assertTrue(page.wish("end_pairing")["done"])
             self.assertIn("given up", page.until("pairing", lambda told: told["step"] == "failed")["text"])
             # Its page is closed.
             self.press(sensor)
             with WebSocket(view.port) as other:
                 self.begin(other, "digits", role="tune")
+                self.digits(sensor, 3)
             state = page.until("pairing", lambda told: told["step"] == "failed" and told["role"] == "tune")
             self.assertEqual(state["text"], "the page that began the pairing was closed: nothing was paired")
             # And well.
