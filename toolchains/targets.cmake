@@ -142,6 +142,9 @@ function(stof_add_test)
   if(ARG_LABELS)
     # Begins early: what takes long would end alone.
     set(properties LABELS ${ARG_LABELS} COST 10)
+    if(ARG_LABELS STREQUAL "slow")
+      list(APPEND properties TIMEOUT 1800)  # all its cases, on a busy machine
+    endif()
   endif()
   if(ARG_LABELS STREQUAL "scenes")
     stof_add_cases(${ARG_NAME}.every_machine ${ARG_NAME} *OnEveryMachine)
