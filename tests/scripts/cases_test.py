@@ -62,6 +62,14 @@ class CasesTest(unittest.TestCase):
     def test_a_program_that_ends_before_it_reports_failed(self):
         self.assertEqual(self.ran(("sad_test", "fail", "Segmentation fault")), [("sad_test", FAILED, "Segmentation fault")])
 
+    def test_a_program_that_leaves_with_success_before_it_reports_failed(self):
+        for name in ("sad_test", "sad_test.host"):
+            self.assertEqual([case[:2] for case in self.ran((name, "run", "exit(0)"))], [(name, FAILED)])
+
+    def test_a_part_of_a_program_may_have_no_case(self):
+        (self.folder / "sad_test.every_machine.xml").write_text("<testsuites/>")
+        self.assertEqual(self.ran(("sad_test.every_machine", "run", "")), [])
+
     def test_a_program_that_ends_badly_after_its_last_case_failed(self):
         (self.folder / "sad_test.xml").write_text(PASSING)
         self.assertEqual(self.ran(("sad_test", "fail", "detected memory leaks")), [
