@@ -30,7 +30,8 @@ from log import LOGS, Log, end_all, indented  # noqa: E402
 CASE_LINES = 20
 CASES_SHOWN = 10
 # Build presets that share the folder of another one.
-CONFIGURED_AS = {"gcc-tests": "gcc", "arm64-kernels": "arm64", "arm64-host": "arm64", "asan-commands": "emu-asan"}
+CONFIGURED_AS = {"emu-rest": "emu", "gcc-tests": "gcc", "arm64-kernels": "arm64", "arm64-host": "arm64",
+                 "asan-commands": "emu-asan"}
 FUZZ_RUNS = 20_000  # of each target; scripts/fuzz alone does more
 
 
@@ -328,6 +329,7 @@ STEPS = {
     "format": check("scripts/format", "--check"),
     "layers": plain(layers),
     "emu": tested("emu", "check_avx_symbols"),
+    "emu-rest": tested("emu-rest", "check_avx_symbols"),
     "arm64-kernels": arm64("arm64-kernels", "check_vector_code"),
     "boards": ahead(boards),
     "tidy": ahead(tidy),
@@ -349,9 +351,10 @@ STEPS = {
 }
 # A newcomer's run. scripts/test installs no more than these need.
 SHORT = ("format", "layers", "emu", "arm64-kernels", "boards")
-# Of every change: step arm64 has the kernels, too.
-CI = ("format", "layers", "emu", "boards", "tidy", "emu-asan", "gcc", "arm64", "system")
-ALL = CI + ("asan-commands", "mutation", "arm64-host", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long", "calib", "image",
+# Of every change: each test once as x86 code, with sanitizers where they are no burden. Step arm64 has the kernels, too.
+CI = ("format", "layers", "emu-rest", "boards", "tidy", "emu-asan", "gcc", "arm64", "system")
+ALL = tuple("emu" if step == "emu-rest" else step for step in CI) + (
+    "asan-commands", "mutation", "arm64-host", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long", "calib", "image",
              "package")
 
 

@@ -92,6 +92,8 @@ endfunction()
 
 # The programs whose label is `kernel`: all that the builds `mutation` and `arm64-ubsan` need.
 add_custom_target(stof_kernel_tests)
+# What step `emu-rest` runs beside the product: the programs of labels `kernel` and `slow`, and what tests of label `plain` start.
+add_custom_target(stof_rest_tests)
 
 # Tests are compiled often and run once: without optimisation, which halves the time of the compiler. What has a label
 # has loops of its own. What is tested keeps its own optimisation.
@@ -128,6 +130,9 @@ function(stof_add_test)
   if(ARG_LABELS STREQUAL "kernel")
     set(main stof_kernel_check)
     add_dependencies(stof_kernel_tests ${ARG_NAME})
+  endif()
+  if(ARG_LABELS MATCHES "^(kernel|slow)$" OR ARG_SLOW_CASES)
+    add_dependencies(stof_rest_tests ${ARG_NAME})
   endif()
   target_link_libraries(${ARG_NAME} PRIVATE stof_options ${ARG_LIBRARIES} GTest::gtest ${main})
   if(ARG_LABELS)

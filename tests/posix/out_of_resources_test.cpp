@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/address_sanitizer.h"
+
 namespace stof::posix {
 namespace {
 
@@ -19,16 +21,8 @@ namespace {
 // As a program without exceptions is for whatever throws in it.
 void let_nothing_through(void (*what)()) noexcept { what(); }
 
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kOwnAllocator = true;
-#elif defined(__has_feature)
-constexpr bool kOwnAllocator = __has_feature(address_sanitizer);
-#else
-constexpr bool kOwnAllocator = false;
-#endif
-
 TEST(OutOfResources, MemoryThatIsRefusedEndsInOneLine) {
-  if (kOwnAllocator) {
+  if (test::kAddressSanitizer) {
     GTEST_SKIP() << "AddressSanitizer's allocator ends in its own way";
   }
   EXPECT_EXIT(

@@ -9,6 +9,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/support/address_sanitizer.h"
+
 namespace stof::test {
 namespace {
 
@@ -19,17 +21,7 @@ using hal::linux::set_fifo_priority;
 using hal::linux::set_ordinary_priority;
 
 // AddressSanitizer puts a mlockall() that does nothing in the system's place.
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kLocks = false;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-constexpr bool kLocks = false;
-#else
-constexpr bool kLocks = true;
-#endif
-#else
-constexpr bool kLocks = true;
-#endif
+constexpr bool kLocks = !test::kAddressSanitizer;
 
 // Runs `body` in a child process that may do nothing special; whether it returned true.
 template <typename Body>
