@@ -57,6 +57,8 @@ void PairingServer::press(hal::Time now) noexcept {
   const Phase phase = attempts_.with_digits().phase;
   if ((phase == Phase::kNone || phase == Phase::kDone) && !cut_until_) {
     open(now);
+    told_ = {.kind =
+                 firmware::EventKind::kPairing};  // two minutes more of an open one are told, too
     return;
   }
   end(attempts_.with_digits());

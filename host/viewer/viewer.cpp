@@ -2,12 +2,9 @@
 
 #include <array>
 #include <chrono>
-#include <cstring>
 #include <mutex>
 #include <utility>
 
-#include <arpa/inet.h>
-#include <ifaddrs.h>
 #include <net/if.h>
 #include <unistd.h>
 
@@ -16,6 +13,7 @@
 #include "host/viewer/foxglove/foxglove_message.h"
 #include "host/viewer/page_source.h"
 #include "host/viewer/web_server.h"
+#include "posix/interfaces.h"
 
 namespace stof::viewer {
 namespace {
@@ -28,23 +26,12 @@ std::string own_host_name() {
 // Of the interfaces that are up, but loopback ones.
 std::vector<std::string> own_addresses() {
   std::vector<std::string> all;
-  ifaddrs* first = nullptr;
-  if (getifaddrs(&first) != 0) {
-    return all;
-  }
-  for (const ifaddrs* at = first; at != nullptr; at = at->ifa_next) {
-    if (at->ifa_addr == nullptr || at->ifa_addr->sa_family != AF_INET ||
-        (at->ifa_flags & IFF_UP) == 0 || (at->ifa_flags & IFF_LOOPBACK) != 0) {
-      continue;
-    }
-    sockaddr_in address{};
-    std::memcpy(&address, at->ifa_addr, sizeof address);
-    std::array<char, INET_ADDRSTRLEN> text{};
-    if (inet_ntop(AF_INET, &address.sin_addr, text.data(), text.size()) != nullptr) {
-      all.emplace_back(text.data());
+  for (const posix::InterfaceEntry& entry : posix::interface_entries()) {
+    if (entry.address && entry.address->family() == AF_INET &&
+        (entry.flags & (IFF_UP | IFF_LOOPBACK)) == IFF_UP) {
+      all.push_back(entry.address->host());
     }
   }
-  freeifaddrs(first);
   return all;
 }
 

@@ -5,14 +5,13 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <memory>
 
-#include <ifaddrs.h>
 #include <net/if.h>
 #include <sys/ioctl.h>
 #include <sys/timex.h>
 
 #include "host/client/sensor_socket.h"
+#include "posix/interfaces.h"
 #include "posix/socket_address.h"
 #include "posix/udp_socket.h"
 
@@ -25,32 +24,14 @@ std::optional<int> number_in(const std::string& file) {
   return in >> value && value > 0 ? std::optional(value) : std::nullopt;
 }
 
-// The host part of an address of the system's list; empty: of another family.
-std::string host_of(const sockaddr* address) {
-  posix::SocketAddress copy;
-  if (address == nullptr) {
-    return {};
-  }
-  if (address->sa_family == AF_INET) {
-    std::memcpy(&copy.storage, address, sizeof(sockaddr_in));
-  } else if (address->sa_family == AF_INET6) {
-    std::memcpy(&copy.storage, address, sizeof(sockaddr_in6));
-  } else {
-    return {};
-  }
-  return copy.host();
-}
-
 void find_interface(const std::string& host, NetworkFacts& facts) {
-  ifaddrs* list = nullptr;
-  if (host.empty() || getifaddrs(&list) != 0) {
+  if (host.empty()) {
     return;
   }
-  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owned(list, freeifaddrs);
-  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
-    if (host_of(entry->ifa_addr) == host) {
-      facts.interface = entry->ifa_name;
-      facts.loopback = (entry->ifa_flags & IFF_LOOPBACK) != 0;
+  for (const posix::InterfaceEntry& entry : posix::interface_entries()) {
+    if (entry.address && entry.address->host() == host) {
+      facts.interface = entry.name;
+      facts.loopback = (entry.flags & IFF_LOOPBACK) != 0;
       return;
     }
   }

@@ -155,8 +155,10 @@ TEST_F(PairingButtonTest, APressEndsAnAttemptWhoseDigitsAreNotToldYet) {
   EXPECT_FALSE(server_.is_open());
   press_for(300ms);
   EXPECT_TRUE(server_.is_open());
+  told_.clear();
   press_for(300ms);  // nobody has come: another two minutes
   EXPECT_TRUE(server_.is_open());
+  EXPECT_TRUE(told(kPairingOpen, 0));
 }
 
 // Nobody can have read the digits before he began to hold.
