@@ -14,8 +14,7 @@ import time
 import unittest
 import unittest.mock
 
-import view_page_test as pages
-from view_page_test import ENOUGH_S, STOFD, Program, Sensor, View, await_
+from view_programs import COMMAND, ENOUGH_S, STOFD, Program, Sensor, View, await_
 from web_client import WebSocket
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
@@ -160,7 +159,7 @@ class Pairing(Panels):
     def test_a_page_pairs_by_the_code_but_not_over_the_network(self):
         sensor = self.sensor()
         self.keys_of("other")
-        paired = subprocess.run([*pages.COMMAND, "pair", f"127.0.0.1:{sensor.port}", "--code", CODE, "--timeout", "10"], capture_output=True,
+        paired = subprocess.run([*COMMAND, "pair", f"127.0.0.1:{sensor.port}", "--code", CODE, "--timeout", "10"], capture_output=True,
                                 text=True, timeout=ENOUGH_S, check=False)
         self.assertEqual(paired.returncode, 0, paired.stderr)
         self.keys_of("config")
@@ -209,7 +208,7 @@ class Update(Panels):
     def test_a_page_puts_a_release_of_the_folder_and_tells_how_it_goes(self):
         settings = self.folder / "settings.json"
         self.emulated("make")
-        subprocess.run([*pages.COMMAND, "pair", "--into", f"{settings}.keys"], check=True, timeout=ENOUGH_S, stdout=subprocess.DEVNULL)
+        subprocess.run([*COMMAND, "pair", "--into", f"{settings}.keys"], check=True, timeout=ENOUGH_S, stdout=subprocess.DEVNULL)
         releases = self.folder / "releases"
         releases.mkdir()
         crash = self.folder / "crash"
@@ -274,5 +273,5 @@ class Update(Panels):
 
 
 if __name__ == "__main__":
-    pages.COMMAND.extend(sys.argv[1:])
+    COMMAND.extend(sys.argv[1:])
     unittest.main(argv=[sys.argv[0]], verbosity=2)
