@@ -136,6 +136,12 @@ std::string active_text(const wire::HealthReport& health) {
   return names.empty() ? names : ", active:" + names;
 }
 
+std::string lenses_contradict_text() {
+  return "two lenses under one fingerprint: somebody else spoke in the sensor's name, and which "
+         "one "
+         "is true is not known";
+}
+
 std::string link_text(const client::LinkState& link) {
   const std::string text = std::string(link.silent ? " silent" : "") +
                            (link.restarted ? " restarted" : "") +

@@ -17,6 +17,8 @@ std::string event_line(const wire::EventReport& event);
 // ", active: stereo_lost drift"; empty where nothing is wrong.
 std::string active_text(const wire::HealthReport& health);
 
+// Of a recording: recording::ToldLenses.
+std::string lenses_contradict_text();
 // ", link: silent restarted forged traffic"; empty where nothing is wrong.
 std::string link_text(const client::LinkState& link);
 

@@ -46,7 +46,7 @@ bool contradicts_itself(const wire::PacketView& packet) {
 Reassembler::Reassembler(const ReassemblerOptions& options)
     : options_(options),
       session_(options.device_id),
-      messages_(options.raw_pictures ? options.max_pixels : 0) {}
+      messages_(options.raw_pictures ? options.max_pixels : 0, options.serial_line) {}
 
 void Reassembler::push(std::span<const std::byte> datagram, Time arrived, Time now) {
   const auto packet = wire::parse_packet(datagram);
@@ -357,14 +357,14 @@ void Reassembler::close(FrameSlot& slot) {
     return;
   }
   pace_.note(slot.last_packet());
-  messages_.note_frame(slot.made_with());
+  messages_.note_frame(slot.made_with(), slot.last_packet());
   if (comes_late(slot)) {
     ++late_frames_;
     drop(slot, &Statistics::frames_old);
     return;
   }
   slot.finish();
-  slot.keep_calibration(messages_.calibration());
+  slot.choose_calibration(messages_.lenses());
   slot.order = ++finished_;
   slot.state = FrameSlot::State::kFinished;
 }

@@ -24,6 +24,8 @@ struct ReassemblerOptions {
   // (FrameDelay). Not given: one period of the sensor and 100 ms, or 50 ms more than a frame is
   // waited for, if that is longer; 200 ms as long as the period is not known.
   std::optional<Duration> max_age{};
+  // Packets of a serial line, on which the unit of depth changes with the picture.
+  bool serial_line = false;
   bool raw_pictures = false;  // were asked for; else they are unknown
   // Where there is one, only what it finds signed is looked at. It outlives the reassembler.
   StreamVerifier* verifier = nullptr;

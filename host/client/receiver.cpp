@@ -35,6 +35,7 @@ struct Receiver::Parts {
   ReassemblerOptions with_subscription(const ReceiverOptions& options) {
     ReassemblerOptions wanted = options.reassembler;
     wanted.raw_pictures = options.subscription.raw.pictures != 0;
+    wanted.serial_line = options.line != nullptr;
     if (options.subscription.signed_streams) {
       wanted.verifier = &verifier;
     }

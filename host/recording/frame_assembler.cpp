@@ -63,6 +63,14 @@ std::optional<wire::HealthReport> health_at(const Sights& sights, std::uint64_t 
   return std::nullopt;
 }
 
+namespace {
+
+std::uint32_t named_by(const RecordedFrame& frame) {
+  return frame.info ? frame.info->calibration_fingerprint : 0;
+}
+
+}  // namespace
+
 std::optional<RecordedFrame> FrameAssembler::take(Topic topic, const mcap::Message& message) {
   switch (topic) {
     case Topic::kFrameInfo:
@@ -106,9 +114,7 @@ void FrameAssembler::take_packet(Topic topic, const mcap::Message& message, cons
   if (topic == Topic::kCalibration) {
     if (const auto calibration = wire::read_calibration_packet(packet.payload)) {
       calibration_ = *calibration;
-      if (frame_) {
-        frame_->calibration = *calibration;
-      }
+      lenses_.take(*calibration);
     }
   } else if (topic == Topic::kHealth) {
     if (const auto health = wire::decode_health_report(packet.payload)) {
@@ -124,9 +130,11 @@ void FrameAssembler::take_packet(Topic topic, const mcap::Message& message, cons
     frame_->stamp = packet.stamp;
     frame_->packets = packet.packets;
     frame_->missing_packets = packet.missing_packets;
-    frame_->calibration = calibration_;
     if (const auto info = wire::decode_frame_info(packet.payload)) {
       frame_->info = *info;
+    }
+    if (calibration_ && of_fingerprint(*calibration_, named_by(*frame_))) {
+      frame_->calibration = calibration_;
     }
   }
 }

@@ -7,6 +7,7 @@
 #include "host/recording/mcap/records.h"
 #include "host/recording/recorded_frame.h"
 #include "host/recording/ros_messages.h"
+#include "host/recording/told_lenses.h"
 #include "host/recording/topics.h"
 
 namespace stof::recording {
@@ -23,6 +24,7 @@ class FrameAssembler {
   std::optional<RecordedFrame> end() { return std::exchange(frame_, std::nullopt); }
   // Of what was taken.
   const Sights& sights() const noexcept { return sights_; }
+  const ToldLenses& lenses() const noexcept { return lenses_; }
   std::uint64_t damaged() const noexcept { return damaged_; }  // messages
 
  private:
@@ -32,6 +34,7 @@ class FrameAssembler {
 
   std::optional<RecordedFrame> frame_;  // that is being put together
   std::optional<wire::CalibrationPacket> calibration_;
+  ToldLenses lenses_;
   Sights sights_;
   std::uint64_t damaged_ = 0;
 };

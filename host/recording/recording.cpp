@@ -27,7 +27,12 @@ class Counter {
       ++summary_.damaged;
     } else if (topic == Topic::kCalibration) {
       if (const auto calibration = wire::read_calibration_packet(packet->payload)) {
-        summary_.calibration = *calibration;
+        // What takes one back says nothing new.
+        summary_.calibration = calibration->fingerprint == 0 && summary_.calibration
+                                   ? summary_.calibration
+                                   : std::optional(*calibration);
+        lenses_.take(*calibration);
+        summary_.lenses_contradict = lenses_.contradict();
       }
     } else {
       count(message.log_time, *packet);
@@ -56,6 +61,7 @@ class Counter {
   }
 
   Summary& summary_;
+  ToldLenses lenses_;
   std::map<std::uint16_t, std::optional<Topic>> topics_;
   std::optional<wire::Origin> before_;
   std::uint32_t number_ = 0;

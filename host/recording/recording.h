@@ -41,6 +41,7 @@ struct Summary {
   mcap::FileIndex index{};
   mcap::TextMap sensor{};                                // the metadata record `stof`
   std::optional<wire::CalibrationPacket> calibration{};  // the last one
+  bool lenses_contradict = false;                        // ToldLenses
   std::uint64_t frames = 0;
   std::uint64_t incomplete_frames = 0;
   std::uint32_t sessions = 0;        // starts of the sensor that are in it
@@ -66,6 +67,7 @@ class FrameReader {
   std::uint64_t size() const { return source_->size(); }
   // Of what was read so far.
   const Sights& sights() const noexcept { return frames_.sights(); }
+  const ToldLenses& lenses() const noexcept { return frames_.lenses(); }
 
  private:
   FrameReader(std::unique_ptr<mcap::FileSource> source, mcap::StreamReader&& reader)

@@ -26,6 +26,13 @@ void SessionRecording::take(const client::Frame& frame, const std::string& place
   if (frame.calibration && frame.calibration != calibration_) {
     calibration_ = frame.calibration;
     append_calibration(messages, frame, time);
+  } else if (!frame.calibration && frame.info && calibration_ &&
+             calibration_->fingerprint == frame.info->calibration_fingerprint &&
+             calibration_->fingerprint != 0) {
+    calibration_ = taken_back(*calibration_);
+    client::Frame beside = frame;
+    beside.calibration = calibration_;
+    append_calibration(messages, beside, time);
   }
   if (frame.info) {
     watch_.note(frame.info->settings_fingerprint, frame.info->calibration_fingerprint);

@@ -56,6 +56,13 @@ std::string LinkTeller::look(const client::LinkState& link,
                           .active = true});
     }
   }
+  if (begun_ && link.forged_traffic && !std::exchange(forged_, link.forged_traffic)) {
+    changes_.push_back({.text = "link: forged traffic: somebody speaks in the sensor's name, or it "
+                                "is faulty; what was found out is not believed",
+                        .severity = wire::Severity::kMajor,
+                        .active = true});
+  }
+  forged_ = link.forged_traffic;
   if (silence_told_ && !silent_ && now - sends_since_ >= kSettled) {
     silence_told_ = false;
     changes_.push_back({.text = sends_again(silences_ - told_silences_)});

@@ -13,8 +13,9 @@ namespace stof::host {
 // "0.4 s"; "unknown" where there is none.
 std::string age_text(const std::optional<client::Duration>& age);
 
-// Tells at once that a sensor fell silent or started again, and that it sends again when it did so
-// for kSettled: one whose frames come late again and again is two lines, not two for each gap.
+// Tells at once that a sensor fell silent or started again, or that somebody forges its traffic,
+// and that it sends again when it did so for kSettled: one whose frames come late again and again
+// is two lines, not two for each gap.
 class LinkTeller {
  public:
   static constexpr client::Duration kSettled = std::chrono::seconds(1);
@@ -40,6 +41,7 @@ class LinkTeller {
   bool silent_ = false;
   bool silence_told_ = false;  // until "sends again"
   bool restarted_ = false;
+  bool forged_ = false;
   client::Time sends_since_{};
   unsigned silences_ = 0;
   unsigned told_silences_ = 0;  // silences_ when the last one was told

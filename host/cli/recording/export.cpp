@@ -20,6 +20,7 @@
 #include "host/cli/recording/damage_text.h"
 #include "host/cli/recording/exporters.h"
 #include "host/cli/sensor/find_sensor.h"
+#include "host/cli/sensor_text.h"
 #include "host/recording/frame_messages.h"
 #include "host/recording/recording.h"
 #include "host/text/printed.h"
@@ -220,6 +221,9 @@ void export_recording(const ExportOptions& options) {
   };
   told_also_when_it_fails(options, counts, work,
                           [&](std::uint64_t exported) { return exporter->rescue(exported); });
+  if (reader.lenses().contradict()) {
+    throw Failure(Exit::kFailure, file + ": " + lenses_contradict_text());
+  }
   if (counts.exported == 0 || counts.damaged != 0) {
     std::string what = none_text(options);
     if (counts.damaged != 0) {
@@ -242,7 +246,8 @@ void add_export(CLI::App& app, ExportOptions& options) {
       "set.\n"
       "Links and pipes that have the name of a file are not written to.\n"
       "Ends with 0 (done), 1 (no frame has what the format takes, none came, the sensor fell "
-      "silent, records are damaged, or a file cannot be written) or 2 (bad input).");
+      "silent, records are damaged, lenses contradict each other, or a file cannot be written) or "
+      "2 (bad input).");
   command.add_option("SENSOR", options.sensor, std::string(kSensorOrFile) + ", also a cut one")
       ->required();
   command.add_option("--to", options.to, "Folder, which is made where missing")->required();

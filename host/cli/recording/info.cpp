@@ -93,6 +93,9 @@ std::string info_text(const std::string& file, const recording::Summary& summary
   if (summary.calibration) {
     text += "  " + calibration_line(*summary.calibration) + "\n";
   }
+  if (summary.lenses_contradict) {
+    text += "  " + lenses_contradict_text() + "\n";
+  }
   for (const auto& [id, channel] : summary.index.channels) {
     text += printed("  %8llu  ", static_cast<unsigned long long>(count_of(summary, id))) +
             client::printable(channel.topic) + "  " +
@@ -151,6 +154,7 @@ std::string info_json(const std::string& file, const recording::Summary& summary
   }
   json["calibration"] =
       summary.calibration ? calibration_json(*summary.calibration) : Json(nullptr);
+  json["lenses_contradict"] = summary.lenses_contradict;
   return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 

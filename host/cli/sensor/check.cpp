@@ -146,6 +146,7 @@ CheckFacts check_file(const CheckOptions& options) {
     facts.calibration = frame->calibration ? frame->calibration : facts.calibration;
     look_at(frame->view(), facts);
   }
+  facts.lenses_contradict = reader.lenses().contradict();
   if (!reader.sights().health.empty()) {
     facts.health = health_of_file(options.sensor, options.json);
   }

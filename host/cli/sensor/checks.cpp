@@ -229,7 +229,11 @@ Check check_clock(const CheckFacts& facts) {
 
 Check check_calibration(const CheckFacts& facts) {
   Check check{.name = "calibration"};
-  if (!facts.calibration) {
+  if (facts.lenses_contradict) {
+    check.verdict = CheckVerdict::kFix;
+    check.found = lenses_contradict_text();
+    check.fix = "record it anew, with --signed";
+  } else if (!facts.calibration) {
     check.verdict = CheckVerdict::kFix;
     check.found = "none came";
     check.fix = "clouds take one: stof calib install FILE " + sensor_of(facts);

@@ -32,6 +32,7 @@ struct CheckFacts {
   std::optional<client::Duration> silent_since{};  // age of the last frame then, where none comes
   std::optional<HealthState> health{};
   std::optional<wire::CalibrationPacket> calibration{};
+  bool lenses_contradict = false;  // of a recording: recording::ToldLenses
   bool other_calibration = false;  // frames name another one than that which came
   std::string drift{};             // as drift_text()
   wire::ClockState clock = wire::ClockState::kMonotonic;

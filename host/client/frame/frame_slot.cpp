@@ -114,9 +114,13 @@ std::optional<wire::PacketView> FrameSlot::recover(std::size_t group) const {
 }
 
 // A frame names the calibration that it was made with; where that did not come yet it has none.
-bool FrameSlot::of_this_frame() const noexcept {
-  return !info_ || !calibration_ || info_->calibration_fingerprint == 0 ||
-         info_->calibration_fingerprint == calibration_->fingerprint;
+void FrameSlot::choose_calibration(const LensBook& told) {
+  const Frame frame = view();
+  const std::optional<std::uint32_t> named =
+      info_ ? std::optional(info_->calibration_fingerprint) : std::nullopt;
+  const wire::CalibrationPacket* const lens =
+      told.of(named, frame.depth.width(), frame.depth.height());
+  calibration_ = lens == nullptr ? std::nullopt : std::optional(*lens);
 }
 
 Frame FrameSlot::view() const {
@@ -126,7 +130,7 @@ Frame FrameSlot::view() const {
               .missing_packets = missing_packets(),
               .recovered_packets = recovered_,
               .info = info_,
-              .calibration = of_this_frame() ? calibration_ : std::nullopt,
+              .calibration = calibration_,
               .first_packet = first_packet_,
               .last_packet = last_packet_};
   pixels_.view(frame);

@@ -10,6 +10,7 @@
 #include "firmware/wire/packet.h"
 #include "host/client/frame/frame.h"
 #include "host/client/frame/frame_pixels.h"
+#include "host/client/session/lens_book.h"
 
 namespace stof::client {
 
@@ -84,15 +85,13 @@ class FrameSlot {
                                           .calibration = info_->calibration_fingerprint})
                  : std::nullopt;
   }
-  void keep_calibration(const std::optional<wire::CalibrationPacket>& calibration) {
-    calibration_ = calibration;
-  }
+  // Of those that were told by now, once the frame is finished.
+  void choose_calibration(const LensBook& told);
 
  private:
   bool agrees(const wire::FrameStamp& stamp) const noexcept;
   Placed add_info(const wire::PacketView& part);
   void begin_parity();
-  bool of_this_frame() const noexcept;
 
   wire::Header header_;  // of the part that came first
   Time first_packet_;

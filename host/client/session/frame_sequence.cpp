@@ -44,6 +44,10 @@ bool FrameSequence::plausible(std::uint32_t number, Time arrived) const noexcept
   return !newest_ || reachable(number, *newest_, newest_at_, arrived);
 }
 
+bool FrameSequence::ahead(std::uint32_t number) const noexcept {
+  return newest_ && number_distance(number, *newest_) > 0;
+}
+
 // Two frames are in flight: with n seen, n - 1 may still begin.
 bool FrameSequence::over(std::uint32_t number) const noexcept {
   return (closed_ && number_distance(number, *closed_) <= 0) ||

@@ -29,6 +29,8 @@ class FrameSequence {
   Verdict judge(const wire::FrameStamp& stamp, Time arrived) noexcept;
   // Whether a frame number may be told then; any before the first frame.
   bool plausible(std::uint32_t number, Time arrived) const noexcept;
+  // Whether no packet of this frame, nor of a newer one, was used yet, but of one before.
+  bool ahead(std::uint32_t number) const noexcept;
 
   // A packet of this frame is used; true: no newer frame was seen before.
   bool begin(std::uint32_t number, Time arrived) noexcept;

@@ -15,6 +15,9 @@ constexpr std::int32_t kMostEvents = 1 << 16;  // that were all lost in a row
 constexpr Duration kRepetition = std::chrono::milliseconds(500);
 
 constexpr std::uint64_t kUptimeSlackMs = 2000;
+// A calibration that changes is followed by frames that were made with it.
+constexpr Duration kChangeHolds = std::chrono::seconds(5);
+
 constexpr Duration kHealthSilence = std::chrono::milliseconds(2500);  // one a second is sent
 
 // Whether an uptime follows one that was told at `then`.
@@ -28,29 +31,18 @@ bool is_period(std::int64_t period_ns) noexcept {
   return period_ns >= 0 && std::chrono::nanoseconds(period_ns) <= FramePace::kLongest;
 }
 
-// Whether both may be said of one rig, or are of two: settings change the range and the period, and
-// one picture in place of another on a serial line its size and its unit.
-bool same_rig(const wire::CalibrationPacket& one, const wire::CalibrationPacket& other) noexcept {
-  if (one.fingerprint != other.fingerprint || one.fingerprint == 0 ||
-      one.image_width != other.image_width || one.image_height != other.image_height ||
-      one.depth_unit_um != other.depth_unit_um) {
-    return true;
-  }
-  wire::CalibrationPacket compared = one;
-  compared.max_range = other.max_range;
-  compared.period_ns = other.period_ns;
-  return compared == other;
-}
-
 }  // namespace
 
 std::size_t SessionMessages::restart() {
   const std::size_t untaken = events_in_ - events_out_;
   raw_.restart();
   RawAssembler raw = std::move(raw_);  // its counts are the receiver's
+  const LensBook lenses = lenses_;
   const std::uint64_t lies = lies_;
   *this = SessionMessages();
   raw_ = std::move(raw);
+  lenses_ = lenses;
+  lenses_.restart();
   lies_ = lies;
   return untaken;
 }
@@ -65,43 +57,46 @@ MessageOutcome SessionMessages::push_calibration(const wire::PacketView& packet,
   if (!frames.plausible(number, arrived) || !is_period(decoded->period_ns)) {
     return MessageOutcome::kImplausible;
   }
-  const bool ordered = calibration_ && frames.plausible(calibration_frame_, arrived);
-  if (ordered && number_distance(number, calibration_frame_) < 0) {
-    return MessageOutcome::kLate;
-  }
-  if (contradicts(*decoded, arrived)) {
+  // One that was sent beside a frame which is still to come may be a lie: it makes none late.
+  const bool late = newest_calibration_ && !frames.ahead(calibration_frame_) &&
+                    number_distance(number, calibration_frame_) < 0;
+  const bool believed = lenses_.take(*decoded, arrived, late);
+  choose_calibration();
+  if (!believed) {
     return MessageOutcome::kImplausible;
   }
-  keep(*decoded);
+  if (late) {
+    return MessageOutcome::kLate;
+  }
+  note_change(*decoded, arrived);
   calibration_frame_ = number;
-  calibration_at_ = arrived;
+  calibration_at_ = calibration_ == *decoded ? arrived : calibration_at_;
   return MessageOutcome::kTaken;
 }
 
-// The known one may be the lie: then it is not sent again, and this one is.
-bool SessionMessages::contradicts(const wire::CalibrationPacket& calibration, Time arrived) {
-  if (!calibration_ || same_rig(calibration, *calibration_)) {
-    doubted_.reset();
-    return false;
+void SessionMessages::note_frame(const std::optional<MadeWith>& made, Time arrived) noexcept {
+  if (!made) {
+    return;
   }
-  const bool again = doubted_ && doubted_->calibration == calibration;
-  if (again && arrived - doubted_->at >= kRepetition) {
-    doubted_.reset();
-    return false;
-  }
-  if (!again) {
-    doubted_ = Doubted{.calibration = calibration, .at = arrived};
-  }
-  return true;
+  changes_ = made_ == made ? changes_ : 0;
+  made_ = made;
+  lenses_.note_frame(made->calibration, arrived);
+  choose_calibration();
 }
 
-void SessionMessages::keep(const wire::CalibrationPacket& calibration) {
-  if (calibration_ && *calibration_ != calibration) {
-    const bool returns = made_ && former_ && former_->calibration == calibration;
-    lies_ += returns && former_->made == made_ ? 1U : 0U;
-    former_ = Former{.calibration = *calibration_, .made = made_};
+void SessionMessages::choose_calibration() noexcept {
+  const wire::CalibrationPacket* const current = lenses_.current();
+  calibration_ = current == nullptr ? std::nullopt : std::optional(*current);
+}
+
+void SessionMessages::note_change(const wire::CalibrationPacket& calibration,
+                                  Time arrived) noexcept {
+  if (newest_calibration_ && *newest_calibration_ != calibration && made_) {
+    changes_ = arrived - changed_at_ > kChangeHolds ? 0 : changes_;
+    changed_at_ = arrived;
+    lies_ += ++changes_ > 1 ? 1U : 0U;
   }
-  calibration_ = calibration;
+  newest_calibration_ = calibration;
 }
 
 // Health goes on while no frame is sent: its order is that of the uptime.

@@ -13,6 +13,7 @@
 #include "host/client/frame/frame_slot.h"
 #include "host/client/raw/raw_assembler.h"
 #include "host/client/session/frame_sequence.h"
+#include "host/client/session/lens_book.h"
 
 namespace stof::client {
 
@@ -28,12 +29,13 @@ enum class MessageOutcome : std::uint8_t {
 // The messages of one session beside its frames. `arrived`: when the packet did; never earlier than
 // the one before. Each counter may advance as fast as the time that has passed, and a little more.
 // Where what is known is wrong nevertheless, it is replaced: health after 2.5 seconds without one
-// that was believed, by one whose uptime advances; events by one that is repeated; a calibration by
-// one of the same fingerprint that is repeated while the known one is not.
+// that was believed, by one whose uptime advances; events by one that is repeated; calibrations as
+// LensBook says.
 class SessionMessages {
  public:
-  // most_raw_pixels: of a raw picture.
-  explicit SessionMessages(std::size_t most_raw_pixels = 0) : raw_(most_raw_pixels) {}
+  // most_raw_pixels: of a raw picture. units_change: as of LensBook.
+  explicit SessionMessages(std::size_t most_raw_pixels = 0, bool units_change = false)
+      : lenses_(units_change), raw_(most_raw_pixels) {}
 
   // A session begins. Returns the events that nobody took.
   std::size_t restart();
@@ -41,18 +43,21 @@ class SessionMessages {
   // frames: of the same session; a calibration tells the number of the frame it was sent beside.
   MessageOutcome push_calibration(const wire::PacketView& packet, const FrameSequence& frames,
                                   Time arrived);
-  // A frame was closed. A calibration that goes again, though no frame was made with other settings
-  // or another calibration meanwhile, was never the sensor's.
-  void note_frame(const std::optional<MadeWith>& made) noexcept { made_ = made ? made : made_; }
-  // Such calibrations, over all sessions.
+  // A frame was closed, of which the last packet arrived then. A calibration that changes twice,
+  // though no frame was made with other settings or another calibration meanwhile, was not always
+  // the sensor's.
+  void note_frame(const std::optional<MadeWith>& made, Time arrived) noexcept;
+  // Such changes, over all sessions.
   std::uint64_t lies() const noexcept { return lies_; }
   MessageOutcome push_health(const wire::PacketView& packet, Time arrived);
   // overflow: an older event was given up for it.
   MessageOutcome push_event(const wire::PacketView& packet, Time arrived, bool& overflow);
 
+  // LensBook::current().
   const std::optional<wire::CalibrationPacket>& calibration() const noexcept {
     return calibration_;
   }
+  const LensBook& lenses() const noexcept { return lenses_; }
   const std::optional<wire::HealthReport>& health() const noexcept { return health_; }
   // When they arrived; only where there is one.
   Time calibration_at() const noexcept { return calibration_at_; }
@@ -73,27 +78,19 @@ class SessionMessages {
     Time at;
   };
 
-  // Another calibration than the known one under its fingerprint, said for the first time.
-  bool contradicts(const wire::CalibrationPacket& calibration, Time arrived);
-  void keep(const wire::CalibrationPacket& calibration);
+  void choose_calibration() noexcept;
+  void note_change(const wire::CalibrationPacket& calibration, Time arrived) noexcept;
   bool seen(std::uint32_t sequence) const noexcept;
   bool believes_uptime(std::uint64_t uptime_ms, Time arrived) const noexcept;
   bool repeats_refused_event(std::uint32_t sequence, Time arrived) noexcept;
 
-  struct Doubted {
-    wire::CalibrationPacket calibration;
-    Time at;
-  };
-  struct Former {
-    wire::CalibrationPacket calibration;
-    std::optional<MadeWith> made;  // the newest frame when it went
-  };
-
   std::optional<MadeWith> made_;  // the newest frame
-  std::uint64_t lies_ = 0;
-  std::optional<Doubted> doubted_;
-  std::optional<Former> former_;  // the calibration before
+  LensBook lenses_;
   std::optional<wire::CalibrationPacket> calibration_;
+  std::optional<wire::CalibrationPacket> newest_calibration_;  // that was taken
+  int changes_ = 0;  // of that one, since a frame was made with anything else
+  Time changed_at_;
+  std::uint64_t lies_ = 0;
   std::uint32_t calibration_frame_ = 0;
   Time calibration_at_;
   std::optional<wire::HealthReport> health_;

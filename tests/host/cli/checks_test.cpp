@@ -109,6 +109,8 @@ TEST(Checks, SayWhatIsWrongAndWhatToDoInOneLine) {
        [](CheckFacts& f) { f.calibration.reset(); }},
       {"calibration", CheckVerdict::kFix, "restart",
        [](CheckFacts& f) { f.other_calibration = true; }},
+      {"calibration", CheckVerdict::kFix, "--signed",
+       [](CheckFacts& f) { f.lenses_contradict = true; }},
       {"calibration", CheckVerdict::kFix, "docs/CALIBRATION.md",
        [](CheckFacts& f) { f.drift = ", drift: pitch 0.1 +- 0.01 deg"; }},
       {"calibration", CheckVerdict::kFix, "docs/CALIBRATION.md",

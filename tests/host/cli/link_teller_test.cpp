@@ -49,6 +49,19 @@ TEST(LinkTeller, TellsARestartOnceAndThatThereIsNoHealthYet) {
   EXPECT_EQ(teller.restarts(), 2U);
 }
 
+TEST(LinkTeller, TellsForgedTrafficWhenItBegins) {
+  LinkTeller teller;
+  client::LinkState link = heard(10ms, 200ms);
+  EXPECT_EQ(teller.look(link, kGood, kStart), "");
+  for (int time = 0; time < 2; ++time) {
+    link.forged_traffic = true;
+    EXPECT_TRUE(teller.look(link, kGood, kStart).starts_with("link: forged traffic"));
+    EXPECT_EQ(teller.look(link, kGood, kStart), "");
+    link.forged_traffic = false;
+    EXPECT_EQ(teller.look(link, kGood, kStart), "");
+  }
+}
+
 TEST(LinkTeller, TellsGapAfterGapInTwoLines) {
   LinkTeller teller;
   client::Time now = kStart;

@@ -255,28 +255,6 @@ TEST_F(ForgedPeriod, MakesNoOldFrameNew) {
   EXPECT_FALSE(reassembler_.take(now_ + milliseconds(200)));
 }
 
-TEST_F(ForgedPeriod, ALensThatContradictsItsFingerprintIsNotTakenAndTold) {
-  stream(20, kPeriod);
-  say(33'000'000, 666);
-  EXPECT_EQ(reassembler_.calibration()->fx, 65536);
-  EXPECT_TRUE(watch_.state(now_).forged_traffic);
-  stream(1, kPeriod);
-  now_ += seconds(1);
-  say(33'000'000, 666);
-  EXPECT_EQ(reassembler_.calibration()->fx, 65536) << "the true one came in between";
-  say(33'000'000, 667, 78);
-  EXPECT_EQ(reassembler_.calibration()->fx, 667) << "one that was installed";
-}
-
-TEST_F(ForgedPeriod, AFirstLensThatLiesIsReplacedByTheSecondTrueOne) {
-  say(33'000'000, 666);
-  stream(1, kPeriod);
-  EXPECT_TRUE(watch_.state(now_).forged_traffic);
-  now_ += seconds(1);
-  stream(1, kPeriod);
-  EXPECT_EQ(reassembler_.calibration()->fx, 65536);
-}
-
 TEST_F(Forged, GoodHealthIsNotEternal) {
   health(5000, 7);
   for (const std::uint64_t forged : {std::numeric_limits<std::uint64_t>::max(),

@@ -125,7 +125,7 @@ TEST(Session, AFrameHasTheCalibrationThatItWasMadeWithOrNone) {
   EXPECT_EQ(calibration_of(1, 0xA), 1111);
   EXPECT_EQ(calibration_of(2, 0xB), 0);  // the message of the new one was lost
   push_all(reassembler, {calibration_datagram(made_with(5, 0xB), 1, 2222)});
-  EXPECT_EQ(calibration_of(4, 0xA), 0);
+  EXPECT_EQ(calibration_of(4, 0xA), 1111);  // overtaken by the message of the new one
   EXPECT_EQ(calibration_of(5, 0xB), 2222);
   EXPECT_EQ(calibration_of(6, 0), 2222);  // of a sensor that does not tell
 }

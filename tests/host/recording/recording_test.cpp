@@ -5,11 +5,13 @@
 #include <fstream>
 #include <mutex>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "host/recording/indexed_frames.h"
 #include "host/recording/recorder.h"
+#include "host/recording/session_recording.h"
 #include "tests/dataset/scratch.h"
 #include "tests/host/recording/memory_sink.h"
 
@@ -93,6 +95,65 @@ class RecordingTest : public test::Scratch {
     return file;
   }
 };
+
+// A lens as it was told, and the fingerprint that a frame names.
+struct ToldFrame {
+  std::int32_t fx;  // 0: the frame was received without one
+  std::uint32_t fingerprint;
+};
+
+class RecordedLenses : public RecordingTest {
+ protected:
+  // Recorded as it is received; the lens of each frame as it is read, 0: none.
+  std::vector<std::int32_t> read_again(const std::vector<ToldFrame>& told) {
+    const auto file = folder() / "lenses.mcap";
+    auto sink = mcap::FileSink::open(file, mcap::FileSink::Existing::kReplace);
+    auto recorder = recording::Recorder::start(*sink, {.library = "test"});
+    recording::SessionRecording session(**recorder, {}, {});
+    const Pictures pictures(1);
+    std::uint32_t number = 1;
+    for (const ToldFrame& one : told) {
+      client::Frame frame = pictures.frame(number++);
+      frame.last_packet = client::Time(std::chrono::seconds(number));
+      frame.info->calibration_fingerprint = one.fingerprint;
+      frame.calibration->fx = one.fx;
+      frame.calibration->fingerprint = one.fingerprint;
+      if (one.fx == 0) {
+        frame.calibration.reset();
+      }
+      session.take(frame, "here");
+    }
+    EXPECT_FALSE((*recorder)->finish().problem);
+    std::vector<std::int32_t> lenses;
+    auto reader = recording::FrameReader::open(file);
+    while (const auto frame = reader->next()) {
+      lenses.push_back(frame->calibration ? frame->calibration->fx : 0);
+    }
+    contradict_ = reader->lenses().contradict();
+    const auto summary = recording::summarise(file);
+    EXPECT_EQ(summary->lenses_contradict, contradict_);
+    return lenses;
+  }
+
+  bool contradict_ = false;
+};
+
+TEST_F(RecordedLenses, EachFrameHasItsOwn) {
+  EXPECT_EQ(read_again({{1, 7}, {1, 7}, {2, 8}, {1, 7}, {1, 7}}),
+            (std::vector<std::int32_t>{1, 1, 2, 1, 1}));
+  EXPECT_FALSE(contradict_);
+}
+
+TEST_F(RecordedLenses, ThatContradictEachOtherAreTold) {
+  EXPECT_EQ(read_again({{1, 7}, {4, 7}, {1, 7}}), (std::vector<std::int32_t>{1, 4, 1}));
+  EXPECT_TRUE(contradict_);
+}
+
+TEST_F(RecordedLenses, OneThatWasNotBelievedAnyMoreHoldsNoMore) {
+  EXPECT_EQ(read_again({{4, 7}, {0, 7}, {0, 7}}), (std::vector<std::int32_t>{4, 0, 0}));
+  EXPECT_TRUE(contradict_);
+  EXPECT_EQ(read_again({{4, 7}, {0, 7}, {4, 7}}), (std::vector<std::int32_t>{4, 0, 4}));
+}
 
 TEST_F(RecordingTest, FramesComeBackBitForBit) {
   const auto file = write({10, 11, 12});

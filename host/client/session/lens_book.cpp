@@ -1,0 +1,160 @@
+#include "host/client/session/lens_book.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace stof::client {
+namespace {
+
+// What messages are compared by: others are of two rigs, or of two pictures.
+bool same_key(const wire::CalibrationPacket& one, const wire::CalibrationPacket& other) noexcept {
+  return one.fingerprint == other.fingerprint && one.image_width == other.image_width &&
+         one.image_height == other.image_height;
+}
+
+}  // namespace
+
+// Settings change the range and the period.
+bool LensBook::same(const wire::CalibrationPacket& one,
+                    const wire::CalibrationPacket& other) const noexcept {
+  wire::CalibrationPacket compared = one;
+  compared.max_range = other.max_range;
+  compared.period_ns = other.period_ns;
+  if (units_change_) {
+    compared.depth_unit_um = other.depth_unit_um;
+  }
+  return compared == other || one.fingerprint == 0;
+}
+
+void LensBook::restart() noexcept {
+  named_.reset();
+  for (std::optional<Entry>& entry : entries_) {
+    if (entry) {
+      entry->told = 0;
+    }
+  }
+}
+
+bool LensBook::take(const wire::CalibrationPacket& told, Time arrived, bool late) noexcept {
+  ++told_;
+  std::optional<Entry>& entry = place(told);
+  if (!entry) {
+    entry = Entry{.lens = told, .alone = {.since = arrived}, .told = told_};
+    return true;
+  }
+  return same(told, entry->lens) ? take_again(*entry, told, arrived, late)
+                                 : take_other(*entry, told, arrived);
+}
+
+bool LensBook::take_again(Entry& entry, const wire::CalibrationPacket& told, Time arrived,
+                          bool late) noexcept {
+  entry.lens = late ? entry.lens : told;
+  entry.told = late && entry.told != 0 ? entry.told : told_;
+  entry.rival.reset();
+  const Duration alone = arrived - entry.alone.since;
+  const std::uint64_t frames = entry.frames - entry.alone.frames;
+  entry.doubted = entry.doubted && (alone < kBelievedAfter || frames < kBelievedFrames);
+  entry.stands = entry.stands || (alone >= kStandsAfter && frames >= kStandsFrames);
+  return !entry.doubted;
+}
+
+bool LensBook::take_other(Entry& entry, const wire::CalibrationPacket& told,
+                          Time arrived) noexcept {
+  const Alone now{.since = arrived, .frames = entry.frames};
+  if (!entry.stands) {
+    entry.doubted = true;
+    entry.lens = told;
+    entry.alone = now;
+    return false;
+  }
+  if (!entry.rival || !same(told, entry.rival->lens)) {
+    entry.rival = Rival{.lens = told, .alone = now};
+  }
+  const Alone& alone = entry.rival->alone;
+  if (arrived - alone.since < kStandsAfter || entry.frames - alone.frames < kStandsFrames) {
+    return false;
+  }
+  entry.lens = told;
+  entry.alone = now;
+  entry.told = told_;
+  entry.stands = false;
+  entry.rival.reset();
+  return true;
+}
+
+// The entry of this fingerprint and size, or else an empty one: of that which frames named least
+// recently, and of these the one told least recently.
+std::optional<LensBook::Entry>& LensBook::place(const wire::CalibrationPacket& told) noexcept {
+  std::optional<Entry>* oldest = entries_.data();
+  const auto age = [](const std::optional<Entry>& entry) {
+    return entry ? std::pair(entry->named, entry->told) : std::pair<std::uint64_t, std::uint64_t>();
+  };
+  for (std::optional<Entry>& entry : entries_) {
+    if (entry && same_key(entry->lens, told)) {
+      return entry;
+    }
+    if (oldest->has_value() && (!entry || age(entry) < age(*oldest))) {
+      oldest = &entry;
+    }
+  }
+  oldest->reset();
+  return *oldest;
+}
+
+void LensBook::note_frame(std::uint32_t fingerprint, Time arrived) noexcept {
+  const bool anew = named_ != fingerprint;
+  named_ = fingerprint;
+  ++frames_;
+  for (std::optional<Entry>& entry : entries_) {
+    if (!entry || entry->lens.fingerprint != fingerprint) {
+      continue;
+    }
+    // What was told while no frame named it proves nothing.
+    if (anew) {
+      entry->alone = {.since = arrived, .frames = entry->frames};
+    }
+    ++entry->frames;
+    entry->named = frames_;
+  }
+}
+
+template <typename Accepts>
+const wire::CalibrationPacket* LensBook::newest(Accepts accepts) const noexcept {
+  const Entry* found = nullptr;
+  const auto rank = [](const Entry& entry) { return std::pair(entry.stands, entry.told); };
+  for (const std::optional<Entry>& entry : entries_) {
+    if (entry && entry->told != 0 && accepts(entry->lens) &&
+        (found == nullptr || rank(*entry) > rank(*found))) {
+      found = &*entry;
+    }
+  }
+  return found == nullptr || found->doubted ? nullptr : &found->lens;
+}
+
+std::uint32_t LensBook::last_told() const noexcept {
+  const auto last = std::ranges::max_element(
+      entries_, {}, [](const std::optional<Entry>& entry) { return entry ? entry->told : 0; });
+  return *last ? (*last)->lens.fingerprint : 0;
+}
+
+const wire::CalibrationPacket* LensBook::current() const noexcept {
+  const std::uint32_t named = named_.value_or(0);
+  return newest([named](const wire::CalibrationPacket& lens) {
+    return named == 0 || lens.fingerprint == named;
+  });
+}
+
+const wire::CalibrationPacket* LensBook::of(std::optional<std::uint32_t> fingerprint, int width,
+                                            int height) const noexcept {
+  const std::uint32_t named = fingerprint.value_or(named_.value_or(0));
+  const auto fits = [&](const wire::CalibrationPacket& lens) {
+    return (named == 0 || lens.fingerprint == named) &&
+           (width == 0 || (lens.image_width == width && lens.image_height == height));
+  };
+  if (!fingerprint && named != 0 && last_told() != named) {
+    return nullptr;
+  }
+  return newest(fits);
+}
+
+}  // namespace stof::client

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "firmware/wire/messages/calibration.h"
+#include "host/client/frame/frame.h"
+
+namespace stof::client {
+
+// The calibrations that were told in a sensor's name, and which of them is believed. A fingerprint
+// is that of a file: under one of them, and of one image size, no sensor ever tells two lenses. So
+// where it happens, somebody lies:
+//  - A lens that was alone for 10 seconds and 10 frames that name it stands. What contradicts it is
+//    refused, however often it comes, unless it comes for as long and the known one not once.
+//  - Before that nobody can say which of the two is the lie: neither is believed, until one of them
+//    was alone for 3 seconds and 3 frames. Frames have no lens so long.
+// A sensor sends its own once a second, or with each frame where those are rarer. What was learned
+// outlasts a session, for a fingerprint does. Where a fingerprint is not told (0) all is believed.
+// No clock: times are the caller's.
+class LensBook {
+ public:
+  static constexpr Duration kBelievedAfter = std::chrono::seconds(3);
+  static constexpr std::uint64_t kBelievedFrames = 3;
+  static constexpr Duration kStandsAfter = std::chrono::seconds(10);
+  static constexpr std::uint64_t kStandsFrames = 10;
+
+  // units_change: the unit of depth is no part of a lens. On a serial line one picture takes the
+  // place of another of the same size.
+  explicit LensBook(bool units_change = false) noexcept : units_change_(units_change) {}
+
+  // A session begins: none was told in it.
+  void restart() noexcept;
+
+  // One that arrived then; false: it contradicts another. late: one that was sent after it arrived
+  // before, it changes nothing of period and range.
+  bool take(const wire::CalibrationPacket& told, Time arrived, bool late) noexcept;
+  // A frame arrived then that names this fingerprint.
+  void note_frame(std::uint32_t fingerprint, Time arrived) noexcept;
+
+  // Of frames as they come now: one with the fingerprint that the newest frame names; before the
+  // first frame, and where that names none, any. Of several one that stands, of these the newest.
+  // None: not told in this session, or in doubt.
+  const wire::CalibrationPacket* current() const noexcept;
+  // Of a frame of this image size (0: it has no depth) that names this fingerprint. One whose frame
+  // info is missing goes with the frame before, where nothing else was told meanwhile.
+  const wire::CalibrationPacket* of(std::optional<std::uint32_t> fingerprint, int width,
+                                    int height) const noexcept;
+
+ private:
+  // More than a sensor has pictures on a line. The ones that frames named last are kept.
+  static constexpr std::size_t kEntries = 8;
+
+  // How long nothing contradicted.
+  struct Alone {
+    Time since;
+    std::uint64_t frames = 0;  // that had named the fingerprint by then
+  };
+  struct Rival {
+    wire::CalibrationPacket lens;
+    Alone alone;
+  };
+  struct Entry {
+    wire::CalibrationPacket lens;
+    Alone alone;
+    std::uint64_t frames = 0;  // that named it
+    std::uint64_t named = 0;   // the order of the newest of them; 0: none
+    std::uint64_t told = 0;    // the order of its newest message in this session; 0: none
+    bool doubted = false;
+    bool stands = false;
+    std::optional<Rival> rival = std::nullopt;  // since it came last
+  };
+
+  bool same(const wire::CalibrationPacket& one,
+            const wire::CalibrationPacket& other) const noexcept;
+  bool take_again(Entry& entry, const wire::CalibrationPacket& told, Time arrived,
+                  bool late) noexcept;
+  bool take_other(Entry& entry, const wire::CalibrationPacket& told, Time arrived) noexcept;
+  std::optional<Entry>& place(const wire::CalibrationPacket& told) noexcept;
+  std::uint32_t last_told() const noexcept;  // the fingerprint
+  template <typename Accepts>
+  const wire::CalibrationPacket* newest(Accepts accepts) const noexcept;
+
+  bool units_change_;
+  std::array<std::optional<Entry>, kEntries> entries_;
+  std::uint64_t told_ = 0;              // messages, ever
+  std::uint64_t frames_ = 0;            // that named anything, ever
+  std::optional<std::uint32_t> named_;  // by the newest frame of the session
+};
+
+}  // namespace stof::client
