@@ -134,6 +134,11 @@ FrameSequence::Verdict Reassembler::judge(const wire::Header& header, Time arriv
     drop_open();
     closed_count_ = 0;
     ++statistics_.resynchronised;
+    ++forgeries_;  // what was believed of the order is of no sensor
+  }
+  if (verdict == FrameSequence::Verdict::kResynchronised ||
+      verdict == FrameSequence::Verdict::kImplausible) {
+    pace_.interrupt();
   }
   return verdict;
 }
@@ -154,7 +159,7 @@ void Reassembler::drop_open() {
 void Reassembler::push_report(const wire::PacketView& packet, Time arrived) {
   switch (packet.header.type) {
     case wire::PacketType::kCalibration:
-      count(messages_.push_calibration(packet, sequence_, arrived));
+      push_calibration(packet, arrived);
       break;
     case wire::PacketType::kHealth:
       count(messages_.push_health(packet, arrived));
@@ -172,6 +177,14 @@ void Reassembler::push_report(const wire::PacketView& packet, Time arrived) {
     default:
       ++statistics_.unknown;
       break;
+  }
+}
+
+void Reassembler::push_calibration(const wire::PacketView& packet, Time arrived) {
+  std::optional<Duration> period;
+  count(messages_.push_calibration(packet, sequence_, arrived, period));
+  if (period) {
+    pace_.tell(*period);
   }
 }
 
@@ -290,6 +303,9 @@ Reassembler::Closed* Reassembler::closed(std::uint32_t number) {
 
 void Reassembler::refuse_closed(const wire::Header& header) {
   const Closed* const frame = closed(header.frame.number);
+  if (frame == nullptr) {
+    pace_.interrupt();
+  }
   ++(frame != nullptr && frame->packets.has(header.index) ? statistics_.duplicate
                                                           : statistics_.late);
 }
@@ -353,10 +369,11 @@ void Reassembler::close(FrameSlot& slot) {
             .whole = slot.complete()};
 
   if (!sequence_.advance(slot.freshness(), slot.last_packet())) {
+    pace_.interrupt();
     drop(slot, &Statistics::frames_stale);
     return;
   }
-  pace_.note(slot.last_packet());
+  note_pace(slot);
   messages_.note_frame(slot.made_with(), slot.last_packet());
   if (comes_late(slot)) {
     ++late_frames_;
@@ -367,6 +384,14 @@ void Reassembler::close(FrameSlot& slot) {
   slot.choose_calibration(messages_.lenses());
   slot.order = ++finished_;
   slot.state = FrameSlot::State::kFinished;
+}
+
+void Reassembler::note_pace(const FrameSlot& slot) {
+  const std::optional<MadeWith> made = slot.made_with();
+  pace_.note(slot.last_packet(), made
+                                     ? std::optional(FramePace::Source{.session = slot.session_id(),
+                                                                       .settings = made->settings})
+                                     : std::nullopt);
 }
 
 bool Reassembler::comes_late(const FrameSlot& slot) {
@@ -428,7 +453,8 @@ FrameSlot* Reassembler::oldest(FrameSlot::State state) {
 }
 
 Duration Reassembler::period() const {
-  return pace_.believed(std::chrono::nanoseconds(calibration() ? calibration()->period_ns : 0));
+  // What is signed nobody else tells.
+  return options_.verifier == nullptr ? pace_.believed() : pace_.told();
 }
 
 Duration Reassembler::frame_timeout() const {

@@ -55,12 +55,14 @@ class Reassembler {
   bool keep(FramePixels& pixels) noexcept;  // once a frame; false: none is out
 
   const Statistics& statistics() const noexcept { return statistics_; }
-  // Datagrams that no sensor can have sent; what is not signed only once there is a key.
+  // Datagrams that no sensor can have sent, and starts of the order of frames anew; what is not
+  // signed only once there is a key.
   std::uint64_t forgeries() const noexcept { return forgeries_ + messages_.lies(); }
   // Frames that came too late, by their stamps.
   std::uint64_t late_frames() const noexcept { return late_frames_; }
   FrameDelay& delay() noexcept { return delay_; }
-  // Of the sensor's trigger, as it tells and frames come (FramePace); 0: not known.
+  // Of the sensor's trigger, as it tells and frames come (FramePace), where it is signed as it
+  // tells; 0: not known.
   Duration period() const;
   // The newest of the current session.
   const std::optional<wire::CalibrationPacket>& calibration() const noexcept {
@@ -91,6 +93,8 @@ class Reassembler {
   bool verify(std::span<const std::byte> datagram);
   void start_session();
   void push_report(const wire::PacketView& packet, Time arrived);
+  void push_calibration(const wire::PacketView& packet, Time arrived);
+  void note_pace(const FrameSlot& slot);
   void push_part(const wire::PacketView& packet, Time arrived);
   void push_parity(const wire::PacketView& packet, Time arrived);
   void refuse_old(const wire::Header& header, Time arrived);
@@ -121,7 +125,7 @@ class Reassembler {
   std::uint64_t finished_ = 0;  // frames, over all sessions
 
   SessionTracker session_;
-  FramePace pace_;  // a start of the sensor changes nothing of it
+  FramePace pace_;  // of all sessions
   // The state of the session.
   FrameSequence sequence_;
   FrameDelay delay_;

@@ -74,6 +74,7 @@ class FrameSlot {
   std::uint32_t missing_packets() const noexcept { return header_.count - received_packets_; }
   std::uint16_t count() const noexcept { return header_.count; }
   const wire::FrameStamp& stamp() const noexcept { return header_.frame; }
+  std::uint32_t session_id() const noexcept { return header_.origin.session_id; }
   std::uint32_t number() const noexcept { return header_.frame.number; }
   std::uint32_t freshness() const noexcept { return header_.frame.freshness; }
   Time last_packet() const noexcept { return last_packet_; }

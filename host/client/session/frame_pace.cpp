@@ -1,21 +1,82 @@
 #include "host/client/session/frame_pace.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace stof::client {
+namespace {
 
-void FramePace::note(Time arrived) noexcept {
+constexpr Duration kSecond = std::chrono::seconds(1);
+constexpr std::size_t kEnoughGaps = 8;  // to know how far apart frames come
+
+}  // namespace
+
+void FramePace::note(Time arrived, const std::optional<Source>& source) noexcept {
   if (newest_) {
-    gaps_[noted_++ % kGaps] = std::max(arrived - *newest_, Duration(0));
+    const Duration gap = std::max(arrived - *newest_, Duration(0));
+    came_ += std::min(gap, kSecond);
+    if (!interrupted_) {
+      gaps_[noted_++ % kGaps] = gap;
+    }
   }
+  interrupted_ = false;
   newest_ = newest_ ? std::max(*newest_, arrived) : arrived;
+  if (source) {
+    change_to(*source);
+  }
 }
 
-Duration FramePace::believed(Duration told) const noexcept {
+void FramePace::change_to(const Source& source) noexcept {
+  if (!current_.source) {
+    current_.source = source;
+  } else if (current_.source != source) {
+    std::swap(current_, former_);
+    if (current_.source != source) {
+      current_ = Told{.source = source, .seconds = {}};
+    }
+  }
+}
+
+void FramePace::tell(Duration period) noexcept {
+  if (period <= Duration(0)) {
+    return;
+  }
+  newest_told_ = period;
+  const Duration told = std::max(period, least());
+  // The newest frame may be somebody else's.
+  for (Told* const one : {&current_, &former_}) {
+    Second& now = one->seconds[static_cast<std::size_t>(second()) % kSeconds];
+    now.least = now.number == second() ? std::min(now.least, told) : told;
+    now.number = second();
+  }
+}
+
+// Three quarters of the gap that as many exceed as not.
+Duration FramePace::least() const noexcept {
+  if (noted_ < kEnoughGaps) {
+    return Duration(0);
+  }
+  std::array<Duration, kGaps> gaps = gaps_;
+  const auto known = static_cast<std::ptrdiff_t>(std::min(noted_, kGaps));
+  std::nth_element(gaps.begin(), gaps.begin() + known / 2, gaps.begin() + known);
+  const Duration middle = gaps[static_cast<std::size_t>(known / 2)];
+  return middle - middle / 4;
+}
+
+Duration FramePace::believed() const noexcept {
+  std::optional<Duration> told;
+  for (const Second& one : current_.seconds) {
+    if (one.number >= 0 && second() - one.number < static_cast<std::int64_t>(kSeconds)) {
+      told = std::min(told.value_or(one.least), one.least);
+    }
+  }
   // The longest of some gaps is a period at least, also where frames come in bursts.
   const Duration longest = *std::ranges::max_element(gaps_);
   const Duration most = noted_ == 0 ? kUnproven : longest + longest / 8;
-  return std::clamp(told, Duration(0), std::min(most, kLongest));
+  if (newest_told_ == Duration(0)) {
+    return Duration(0);
+  }
+  return std::min({told.value_or(std::max(newest_told_, least())), most, kLongest});
 }
 
 }  // namespace stof::client

@@ -48,7 +48,8 @@ std::size_t SessionMessages::restart() {
 }
 
 MessageOutcome SessionMessages::push_calibration(const wire::PacketView& packet,
-                                                 const FrameSequence& frames, Time arrived) {
+                                                 const FrameSequence& frames, Time arrived,
+                                                 std::optional<Duration>& period) {
   const Result<wire::CalibrationPacket> decoded = wire::read_calibration_packet(packet.payload);
   if (!decoded) {
     return MessageOutcome::kContradicting;
@@ -60,6 +61,9 @@ MessageOutcome SessionMessages::push_calibration(const wire::PacketView& packet,
   // One that was sent beside a frame which is still to come may be a lie: it makes none late.
   const bool late = newest_calibration_ && !frames.ahead(calibration_frame_) &&
                     number_distance(number, calibration_frame_) < 0;
+  if (!late) {
+    period = std::chrono::nanoseconds(decoded->period_ns);
+  }
   const bool believed = lenses_.take(*decoded, arrived, late);
   choose_calibration();
   if (!believed) {

@@ -41,8 +41,9 @@ class SessionMessages {
   std::size_t restart();
 
   // frames: of the same session; a calibration tells the number of the frame it was sent beside.
+  // period: that it tells, also where its lens is not believed; none: it is none of now.
   MessageOutcome push_calibration(const wire::PacketView& packet, const FrameSequence& frames,
-                                  Time arrived);
+                                  Time arrived, std::optional<Duration>& period);
   // A frame was closed, of which the last packet arrived then. A calibration that changes twice,
   // though no frame was made with other settings or another calibration meanwhile, was not always
   // the sensor's.

@@ -238,13 +238,70 @@ TEST_F(ForgedPeriod, OneThatWasSetAndSetBackIsNoForgery) {
 }
 
 TEST_F(ForgedPeriod, ASlowerOneCountsOnceFramesComeSo) {
-  stream(20, kPeriod);
-  stream(2, seconds(10));
+  stream(20, kPeriod, 1);
+  stream(2, seconds(10), 2);
   const std::optional<Duration> told = told_after();
   EXPECT_GE(told, seconds(30));
   EXPECT_LE(told, seconds(30) + milliseconds(21));
-  stream(20, kPeriod);
+  stream(40, kPeriod, 3);
   EXPECT_LE(told_after(), 3 * kPeriod + milliseconds(21));
+}
+
+// A frame that is far ahead makes a gap: the sensor's are refused for a second.
+TEST_F(ForgedPeriod, AfterAGapThatAForgedFrameMadePutsOffNoAlarm) {
+  for (const std::uint32_t ahead : {3U, 20U, 110U, 128U}) {
+    stream(40, kPeriod);
+    say(60'000'000'000);
+    const std::uint32_t number = number_;
+    number_ += ahead;
+    reassembler_.push(test::datagrams(made()).front(), now_);
+    static_cast<void>(reassembler_.take(now_));
+    number_ = number;
+    for (int k = 0; k < 45; ++k) {
+      say(60'000'000'000);
+      stream(1, kPeriod);
+      say(60'000'000'000);
+      EXPECT_LE(told_after(), seconds(1) + milliseconds(320)) << ahead;  // of the last frame
+    }
+    EXPECT_LE(told_after(), 3 * (kPeriod + kPeriod / 8) + milliseconds(21)) << ahead;
+  }
+}
+
+TEST_F(ForgedPeriod, AfterGapsOfTheSensorsOwnPutsOffNoAlarm) {
+  for (const milliseconds gap :
+       {milliseconds(60), milliseconds(500), milliseconds(2000), milliseconds(3000)}) {
+    stream(40, kPeriod);
+    now_ += gap;
+    number_ += static_cast<std::uint32_t>(gap / kPeriod);
+    for (int k = 0; k < 40; ++k) {
+      stream(1, kPeriod);
+      say(60'000'000'000);
+      EXPECT_LE(told_after(), 3 * (kPeriod + kPeriod / 8) + milliseconds(21)) << gap;
+    }
+  }
+}
+
+TEST_F(ForgedPeriod, FarBelowTheSensorsMakesNoFalseAlarm) {
+  stream(40, kPeriod);
+  for (const std::int64_t lie : {1, 1'000'000, 10'000'000}) {
+    say(lie);
+    EXPECT_GE(told_after(), 2 * kPeriod) << lie;
+  }
+}
+
+TEST_F(ForgedPeriod, AFrameFarAheadThatTakesTheSensorsForASecondIsTold) {
+  for (const bool fresh_alone : {false, true}) {
+    stream(40, kPeriod);
+    now_ += seconds(3);
+    number_ += 90;
+    stream(10, kPeriod);
+    ASSERT_FALSE(watch_.state(now_).forged_traffic);
+    FrameSpec ahead = spec(number_ + (fresh_alone ? 1 : 120), number_ + 120);
+    ++number_;
+    reassembler_.push(test::datagrams(ahead).front(), now_);
+    stream(45, kPeriod);
+    EXPECT_TRUE(watch_.state(now_).forged_traffic) << fresh_alone;
+  }
 }
 
 TEST_F(ForgedPeriod, MakesNoOldFrameNew) {
