@@ -53,8 +53,10 @@ bool LensBook::take_again(Entry& entry, const wire::CalibrationPacket& told, Tim
   entry.rival.reset();
   const Duration alone = arrived - entry.alone.since;
   const std::uint64_t frames = entry.frames - entry.alone.frames;
-  entry.doubted = entry.doubted && (alone < kBelievedAfter || frames < kBelievedFrames);
-  entry.stands = entry.stands || (alone >= kStandsAfter && frames >= kStandsFrames);
+  const bool short_alone = alone < kBelievedAfter || frames < kBelievedFrames;
+  const bool long_alone = alone >= kStandsAfter && frames >= kStandsFrames;
+  entry.doubted = entry.doubted && short_alone;
+  entry.stands = entry.stands || long_alone || !(entry.ever_doubted || short_alone);
   return !entry.doubted;
 }
 
@@ -63,6 +65,7 @@ bool LensBook::take_other(Entry& entry, const wire::CalibrationPacket& told,
   const Alone now{.since = arrived, .frames = entry.frames};
   if (!entry.stands) {
     entry.doubted = true;
+    entry.ever_doubted = true;
     entry.lens = told;
     entry.alone = now;
     return false;
@@ -78,6 +81,7 @@ bool LensBook::take_other(Entry& entry, const wire::CalibrationPacket& told,
   entry.alone = now;
   entry.told = told_;
   entry.stands = false;
+  entry.ever_doubted = true;
   entry.rival.reset();
   return true;
 }

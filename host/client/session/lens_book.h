@@ -14,10 +14,11 @@ namespace stof::client {
 // The calibrations that were told in a sensor's name, and which of them is believed. A fingerprint
 // is that of a file: under one of them, and of one image size, no sensor ever tells two lenses. So
 // where it happens, somebody lies:
-//  - A lens that was alone for 10 seconds and 10 frames that name it stands. What contradicts it is
-//    refused, however often it comes, unless it comes for as long and the known one not once.
+//  - A lens that was alone from the first on for 3 seconds and 3 frames that name it stands. What
+//    contradicts it is refused, however often it comes, unless it comes for 10 seconds and 10 such
+//    frames, and the known one not once.
 //  - Before that nobody can say which of the two is the lie: neither is believed, until one of them
-//    was alone for 3 seconds and 3 frames. Frames have no lens so long.
+//    was alone for 3 seconds and 3 frames; after 10 of both it stands. Frames have no lens so long.
 // A sensor sends its own once a second, or with each frame where those are rarer. What was learned
 // outlasts a session, for a fingerprint does. Where a fingerprint is not told (0) all is believed.
 // No clock: times are the caller's.
@@ -70,6 +71,7 @@ class LensBook {
     std::uint64_t named = 0;   // the order of the newest of them; 0: none
     std::uint64_t told = 0;    // the order of its newest message in this session; 0: none
     bool doubted = false;
+    bool ever_doubted = false;
     bool stands = false;
     std::optional<Rival> rival = std::nullopt;  // since it came last
   };

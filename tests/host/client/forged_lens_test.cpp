@@ -119,6 +119,11 @@ TEST_F(ForgedLens, TwiceBetweenTwoOfTheSensorsIsNotBelieved) {
   EXPECT_TRUE(told());
 }
 
+TEST_F(ForgedLens, AfterFourSecondsOfTheSensorsOwnIsNotBelieved) {
+  stream(45);
+  EXPECT_EQ(stream(200, [&](int) { say(kForged, kFile); }).of_sensor, 200);
+}
+
 TEST_F(ForgedLens, OfOtherNumbersEachTimeIsNotBelieved) {
   stream(150);
   const Lenses came = stream(200, [&](int k) { say(kForged + k, kFile); });

@@ -21,6 +21,7 @@ from packets import (
     STREAMS, SUBSCRIBE, SUBSCRIBED, SUBSCRIBED_PAYLOAD, SUBSCRIBE_PAYLOAD, TILE, UNSUBSCRIBE, ahead, crc32c,
     exclusive_or, groups_of, parse, pixels_of,
 )
+from lenses import Lenses
 from raw_pictures import RawPictures
 
 CONDITIONS = ("no frames, trigger lost, stereo lost, pmd lost, late, link lost, unreachable, link full, drift,"
@@ -46,6 +47,7 @@ class Frame:
         self.arrived = {}  # index: what parity is made of
         self.parity = {}  # group: the payload of its packet
         self.recovered = 0
+        self.fingerprint = None  # of its calibration
 
     @staticmethod
     def common_of(header):
@@ -68,6 +70,7 @@ class Frame:
         elif header.type == FRAME_INFO:
             if len(payload) < FRAME_INFO_BYTES:
                 raise Refused("field")
+            self.fingerprint = int.from_bytes(payload[240:244], "little")
         else:
             known = False
         self.arrived[header.index] = self.parity_part(header, payload)
@@ -141,6 +144,7 @@ class Receiver:
         self.reports = []  # lines about health and events, to be taken by the caller
         self.exposures = []  # lines about raw pictures, likewise
         self.counts = collections.Counter()  # of packets taken, by type
+        self.lenses = Lenses()  # also of starts before
         self.begin_session(None)
 
     def begin_session(self, session):
@@ -173,16 +177,18 @@ class Receiver:
                 return closed
             if header.type == PARITY:
                 return self.push_parity(header, payload)
-            self.push_other(header, payload)
+            self.push_other(header, payload, now)
             self.counts[header.type] += 1
         except Refused as cause:
             self.refused[str(cause)] += 1
         return []
 
-    def push_other(self, header, payload):
+    def push_other(self, header, payload, now):
         if header.type == CALIBRATION:
             if len(payload) < CALIBRATION_BYTES:
                 raise Refused("field")
+            if not self.lenses.take(payload, now):
+                raise Refused("contradiction")
             self.period = struct.unpack_from("<q", payload, 48)[0] / 1e9
         elif header.type == HEALTH:
             self.push_health(payload)
@@ -270,6 +276,8 @@ class Receiver:
                 fresh = frame.header.freshness
                 if ahead(fresh, self.freshness) > 0 if self.freshness is not None else fresh != 0:
                     self.freshness = fresh
+                    if frame.fingerprint is not None:
+                        self.lenses.note_frame(frame.fingerprint, self.last_packet)
                     closed.append(frame)
                 else:
                     self.refused["stale frame"] += 1

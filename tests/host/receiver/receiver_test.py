@@ -10,6 +10,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path[:0] = [str(ROOT / "tests/host/receiver"), str(ROOT / "scripts")]
+import lenses  # noqa: E402
 import packets  # noqa: E402
 import receiver  # noqa: E402
 from wire import samples  # noqa: E402
@@ -180,6 +181,60 @@ class ReceiverTest(unittest.TestCase):
             damaged[bit // 8] ^= 1 << bit % 8
             taker.push(bytes(damaged))
         self.assertEqual(taker.open, {})
+
+
+class LensesTest(unittest.TestCase):
+    TRUE, FORGED = 111, 444
+
+    def setUp(self):
+        self.lenses, self.now = lenses.Lenses(), 100.0
+
+    def say(self, fx, fingerprint=7, **fields):
+        told = wire.CalibrationPacket(image_width=4, image_height=2, fx=fx, fy=1, fingerprint=fingerprint, **fields)
+        return self.lenses.take(told.pack(), self.now)
+
+    def stream(self, seconds, lie=lambda: None, fingerprint=7):
+        """The lenses that ten frames a second have, with the true one once a second."""
+        found = []
+        for k in range(seconds * 10):
+            self.now += 0.1
+            if k % 10 == 0:
+                self.say(self.TRUE, fingerprint)
+            self.lenses.note_frame(fingerprint, self.now)
+            lens = self.lenses.of(fingerprint, 4, 2)
+            found.append(wire.CalibrationPacket.unpack(lens).fx if lens else None)
+            lie()
+        return set(found)
+
+    def test_one_that_contradicts_the_known_one_is_not_believed_at_any_rate(self):
+        self.assertEqual(self.stream(5), {self.TRUE})
+        self.assertEqual(self.stream(30, lambda: self.say(self.FORGED)), {self.TRUE})
+        self.assertEqual(self.stream(30, lambda: self.say(int(self.now * 10))), {self.TRUE})
+        self.assertEqual(self.stream(30, lambda: self.say(self.TRUE, depth_unit_um=1000)), {self.TRUE})
+        self.assertEqual(self.stream(30, lambda: self.say(self.FORGED, fingerprint=int(self.now * 10))), {self.TRUE})
+
+    def test_from_the_start_neither_is_believed_and_the_true_one_when_it_is_alone(self):
+        self.say(self.FORGED)
+        self.assertEqual(self.stream(30, lambda: self.say(self.FORGED)), {None})
+        self.assertEqual(self.stream(6), {None, self.TRUE})
+        self.assertEqual(self.stream(11), {self.TRUE})
+        self.assertEqual(self.stream(30, lambda: self.say(self.FORGED)), {self.TRUE})
+
+    def test_settings_change_range_and_period_and_another_fingerprint_the_lens(self):
+        self.stream(5)
+        self.assertTrue(self.say(self.TRUE, max_range=5, period_ns=7))
+        self.assertTrue(self.say(222, fingerprint=8))
+        self.lenses.note_frame(8, self.now)
+        self.assertIsNotNone(self.lenses.of(8, 4, 2))
+
+    def test_one_that_is_gone_for_ten_seconds_gives_way(self):
+        self.stream(5)
+        found = []
+        for _ in range(120):
+            self.now += 0.1
+            self.lenses.note_frame(7, self.now)
+            found.append(self.say(222))
+        self.assertEqual((found[0], found[90], found[-1]), (False, False, True))
 
 
 class SubscriptionTest(unittest.TestCase):
