@@ -249,7 +249,10 @@ std::expected<wire::PairAnswer, ControlError> PairClient::ask(wire::PairRequest 
     attempt += answer && !hurried ? 0 : 1;
     hurried = answer.has_value();
   }
-  return no_answer();
+  return hurried ? error(Status::kTimeout,
+                         "asks for another cookie whatever it is shown: somebody answers in its "
+                         "place, or it has just started: try again")
+                 : no_answer();
 }
 
 // All of the link hear the request, and any of them may refuse it, before the sensor or after: only

@@ -281,6 +281,20 @@ TEST(PairClient, ByBroadcastNobodyElseEndsTheLastStep) {
   }
 }
 
+TEST(PairClient, WhoeverAsksForACookieForEverIsNoSensorThatDoesNotRun) {
+  SensorInMemory sensor;
+  sensor.stranger = [n = std::uint64_t{66}](const Bytes& request) mutable {
+    return std::vector<Bytes>{forged(request, wire::PairResult::kCookie, n++)};
+  };
+  sensor.to_client = [](Bytes& answer) { answer.clear(); };
+  PairClient client = client_of(
+      sensor, {.method = PairMethod::kCode, .name = "ann", .known = {kCode.begin(), kCode.end()}});
+  const auto begun = client.start();
+  ASSERT_FALSE(begun);
+  EXPECT_NE(begun.error().message.find("asks for another cookie"), std::string::npos)
+      << begun.error().message;
+}
+
 TEST(PairClient, WhereTheLastAnswerDoesNotComeAKeyMayHaveBeenMade) {
   const PairWish wish{
       .method = PairMethod::kCode, .name = "ann", .known = {kCode.begin(), kCode.end()}};
