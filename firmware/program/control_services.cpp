@@ -37,6 +37,7 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
                         .fixed = parts.fixed,
                         .changes = &parts.changes,
                         .network = parts.network,
+                        .interfaces = &parts.board.network,
                         .fell_back = parts.saved.fell_back,
                         .dropped = parts.saved.dropped != settings::Dropped::kNot}),
       authenticator_(parts.keys),

@@ -15,6 +15,7 @@
 #include "firmware/settings/permission.h"
 #include "firmware/settings/settings.h"
 #include "firmware/settings/text/paged_writer.h"
+#include "hal/network_interfaces.h"
 #include "hal/store.h"
 
 namespace stof::settings {
@@ -49,12 +50,13 @@ class SettingsServer final : public firmware::SettingsService {
   struct Parts {
     Limits& limits;
     SettingsSink& sink;
-    hal::Store* store = nullptr;              // nullptr: nothing can be saved
-    hal::Store* fixed = nullptr;              // SettingsStores::fixed
-    firmware::ChangeRing* changes = nullptr;  // gets each
-    NetworkTrial* network = nullptr;          // begun with `active`; nullptr: not the sensor's
-    bool fell_back = false;                   // of load_settings()
-    bool dropped = false;                     // what is in the store is not `saved`, and of no use
+    hal::Store* store = nullptr;                   // nullptr: nothing can be saved
+    hal::Store* fixed = nullptr;                   // SettingsStores::fixed
+    firmware::ChangeRing* changes = nullptr;       // gets each
+    NetworkTrial* network = nullptr;               // begun with `active`; nullptr: not the sensor's
+    hal::NetworkInterfaces* interfaces = nullptr;  // nullptr: has no addresses to tell
+    bool fell_back = false;                        // of load_settings()
+    bool dropped = false;  // what is in the store is not `saved`, and of no use
   };
 
   // Saves that a rest allows, and the time until one more may follow: each writes some tens of
@@ -97,7 +99,9 @@ class SettingsServer final : public firmware::SettingsService {
 
   Result serve(const wire::SettingsRequest& request, std::string_view text,
                const firmware::Requester& by, PagedWriter& out) noexcept;
-  Result get(wire::SettingsDocument document, PagedWriter& out) const noexcept;
+  Result get(wire::SettingsDocument document, const firmware::Requester& by,
+             PagedWriter& out) const noexcept;
+  Result get_network(const firmware::Requester& by, PagedWriter& out) const noexcept;
   Result stage(std::string_view text, const firmware::Requester& by, PagedWriter& why) noexcept;
   // Whether what is staged is the requester's, or nothing is; says why not.
   bool staged_by(const firmware::Requester& by, std::string_view operation,

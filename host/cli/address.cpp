@@ -258,6 +258,30 @@ class AddressChange {
     return found.by_link_alone() ? open_link(found) : client::open_udp_transport(found.endpoint());
   }
 
+  // Where it is answered proves nothing: whoever is at that address may hand on what others say. So
+  // the sensor itself says, signed, which addresses it has.
+  bool says_it_has(client::ControlClient& sensor, const std::string& address) {
+    const auto answer = sensor.request(Operation::kGet, Document::kNetwork, {});
+    if (!answer || answer->result == Result::kBusy) {
+      return false;
+    }
+    if (answer->result != Result::kOk) {
+      refusal_ =
+          "it does not say which addresses it has: update it over its cable, or by its "
+          "address of now";
+      return false;
+    }
+    const std::optional<Json> said = read_json(answer->text);
+    const Json addresses = said && said->is_object() ? said->value("ipv4", Json()) : Json();
+    if (addresses.is_array() && std::ranges::find(addresses, Json(address)) != addresses.end()) {
+      return true;
+    }
+    refusal_ = "who answers at " + address +
+               " is not the sensor: it says that it has another "
+               "address, or none";
+    return false;
+  }
+
   // None: no answer, or not yet. Only who has the key is believed, and what he refuses for good
   // ends it.
   std::optional<Kept> save_at(const std::string& address, Way way) {
@@ -266,6 +290,9 @@ class AddressChange {
     }
     const std::string place = (*way)->place();
     client::ControlClient sensor(std::move(*way), control_);
+    if (!says_it_has(sensor, address)) {
+      return std::nullopt;
+    }
     const auto answer = sensor.request(Operation::kSave, {}, {});
     if (!answer || answer->result == Result::kBusy) {
       return std::nullopt;

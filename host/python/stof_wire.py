@@ -154,6 +154,9 @@ class SettingsDocument(enum.IntEnum):
     SAVED = 2  # what the next start would use
     DEFAULTS = 3  # what it would run with without any file
     SCHEMA = 4  # the JSON Schema of all of these
+    # no settings: {"ipv4": ["192.168.1.20"]}, the addresses that its computer has in this moment
+    # but for loopback, eight at most; for an admin or the cable
+    NETWORK = 5
 
 
 class Role(enum.IntEnum):

@@ -117,6 +117,7 @@ names.SettingsDocument = {
   [2] = "saved",
   [3] = "defaults",
   [4] = "schema",
+  [5] = "network",
 }
 
 names.Role = {

@@ -11,6 +11,7 @@
 
 #include "firmware/settings/fields/document.h"
 #include "firmware/settings/settings_server.h"
+#include "hal/emu/devices/network_interfaces.h"
 #include "hal/emu/devices/store.h"
 
 namespace stof::settings {
@@ -99,10 +100,15 @@ class SettingsServerTest : public testing::Test {
   hal::Time now_{std::chrono::seconds(1)};
   firmware::Access access_ = firmware::Access::kAdmin;
   std::uint32_t key_id_ = 0xABC;
-  SettingsServer server_{
-      Settings{},
-      Settings{},
-      {.limits = board_, .sink = board_, .store = &store_, .fixed = &fixed_, .changes = &changes_}};
+  hal::emu::NetworkInterfaces interfaces_;
+  SettingsServer server_{Settings{},
+                         Settings{},
+                         {.limits = board_,
+                          .sink = board_,
+                          .store = &store_,
+                          .fixed = &fixed_,
+                          .changes = &changes_,
+                          .interfaces = &interfaces_}};
 };
 
 }  // namespace stof::settings

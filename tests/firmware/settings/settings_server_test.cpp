@@ -30,6 +30,28 @@ TEST_F(SettingsServerTest, GivesDocumentsInPartsOfAnySize) {
   EXPECT_EQ(beyond.fields.total, read(Document::kActive).size());
 }
 
+TEST_F(SettingsServerTest, TellsAnAdminTheAddressesThatItsComputerHas) {
+  constexpr auto kLoopback = hal::from_ipv4(127, 0, 0, 1);
+  constexpr auto kOne = hal::from_ipv4(192, 168, 7, 2);
+  constexpr auto kOther = hal::from_ipv4(169, 254, 0, 255);
+  std::array<hal::InterfaceAddress, 4> all{};
+  all[0].address = kLoopback;
+  all[1].address = kOne;
+  all[2].address[0] = 0xfe;  // IPv6
+  all[3].address = kOther;
+  interfaces_.set({});
+  EXPECT_EQ(read(Document::kNetwork), R"({"ipv4": []})");
+  interfaces_.set(all);
+  EXPECT_EQ(read(Document::kNetwork), R"({"ipv4": ["192.168.7.2", "169.254.0.255"]})");
+  EXPECT_EQ(read(Document::kNetwork, 5), read(Document::kNetwork));
+  for (const firmware::Access access : {firmware::Access::kHarmless, firmware::Access::kTune}) {
+    access_ = access;
+    const Answer answer = ask(Operation::kGet, "", Document::kNetwork);
+    EXPECT_EQ(answer.result, Result::kDenied);
+    EXPECT_TRUE(answer.text.starts_with("network: takes a key with role admin")) << answer.text;
+  }
+}
+
 TEST_F(SettingsServerTest, SetIsInForceAtOnceAndNotSaved) {
   const Answer answer = ask(Operation::kSet, R"({"depth": {"guided": true}})");
   EXPECT_EQ(answer.result, Result::kOk);
@@ -362,7 +384,7 @@ TEST_F(SettingsServerTest, SavesOverWhatTheStartCouldNotUse) {
 TEST_F(SettingsServerTest, AnswersWhatItDoesNotKnow) {
   EXPECT_EQ(ask(Operation{8}).result, Result::kUnsupported);
   EXPECT_EQ(ask(Operation{255}, "x").result, Result::kUnsupported);
-  EXPECT_EQ(ask(Operation::kGet, "", Document{5}).result, Result::kUnsupported);
+  EXPECT_EQ(ask(Operation::kGet, "", Document{6}).result, Result::kUnsupported);
   EXPECT_EQ(ask(Operation::kSet, "").result, Result::kInvalid);
   EXPECT_EQ(ask(Operation::kSet, "{", {}, 0, 0).result, Result::kInvalid);
   // What a text says is told with what it takes.

@@ -21,6 +21,7 @@ import stof_wire as wire  # noqa: E402
 from discovery_test import ENOUGH_S, FAR, NEAR, ip, within  # noqa: E402
 
 COMMAND = []
+THIRD, SWITCH = f"{NEAR}_third", f"{NEAR}_switch"
 STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
 CODE = "00112233445566778899aabbccddeeff"
 FIRST, OURS, LEASE = "10.0.0.5/24", "192.168.1.7/24", "192.168.1.60/24"
@@ -60,11 +61,54 @@ while True:
 """
 
 
+# A host of the link that has the address which the sensor shall have: beacons in its name lead there, and what is asked
+# there it hands on by broadcast, and back what the sensor answers so.
+RELAY = f"""
+import select, socket, struct, sys, time, zlib
+sys.path.insert(0, sys.argv[3])
+import stof_wire as wire
+own, announced = sys.argv[1], bytes.fromhex(sys.argv[2])
+def opened(address, port):
+    made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    for option in (socket.SO_BROADCAST, socket.SO_REUSEADDR):
+        made.setsockopt(socket.SOL_SOCKET, option, 1)
+    made.setsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, b"stof2")
+    made.bind((address, port))
+    return made
+asked, link, beacon, asking = opened(own, 7560), opened("", 7561), opened(own, 0), {{}}
+header, payload = wire.parse(announced)
+heard = time.monotonic()
+while True:
+    if time.monotonic() - heard > 0.3:
+        beacon.sendto(wire.seal(header, bytes(4) + payload[4:]), ("255.255.255.255", 7561))
+        heard = time.monotonic()
+    for ready in select.select([asked, link], [], [], 0.05)[0]:
+        packet, sender = ready.recvfrom(2000)
+        if len(packet) < 60 or packet[:4] != b"STOF":
+            continue
+        kind = packet[5]
+        signed = 24 if kind in ({wire.PacketType.SIGNED_REQUEST.value}, {wire.PacketType.SIGNED_ANSWER.value}) else 0
+        request = packet[packet[6] + signed:][:4]
+        if ready is link:
+            if request in asking and sender[0] != own:
+                asked.sendto(packet, asking[request])
+        elif kind == {wire.PacketType.DISCOVER.value}:
+            asked.sendto(wire.seal(header, request + payload[4:]), sender)
+        else:
+            asking[request] = sender
+            link.sendto(packet, ("255.255.255.255", 7560))
+"""
+
+
 def make_network(ipv6):
-    if not (ip("netns", "add", NEAR) and ip("netns", "add", FAR)):
+    """A switch: the computer, the sensor, and a third host."""
+    if not all(ip("netns", "add", name) for name in (NEAR, FAR, THIRD, SWITCH)):
         return False
-    done = ip("link", "add", "stof0", "netns", NEAR, "type", "veth", "peer", "name", "stof1", "netns", FAR)
-    for name, device, address in ((NEAR, "stof0", OURS), (FAR, "stof1", FIRST)):
+    done = ip("-n", SWITCH, "link", "add", "switch", "type", "bridge") and ip("-n", SWITCH, "link", "set", "switch", "up")
+    for name, device in ((NEAR, "stof0"), (FAR, "stof1"), (THIRD, "stof2")):
+        done = (done and ip("link", "add", device, "netns", name, "type", "veth", "peer", "name", device, "netns", SWITCH)
+                and ip("-n", SWITCH, "link", "set", device, "master", "switch", "up"))
+    for name, device, address in ((NEAR, "stof0", OURS), (FAR, "stof1", FIRST), (THIRD, "stof2", "192.168.1.200/24")):
         for key, value in (("ipv6.conf.all.disable_ipv6", 1 - ipv6), ("ipv6.conf.default.accept_dad", 0), ("ipv4.conf.all.rp_filter", 0),
                            ("ipv4.conf.default.rp_filter", 0), (f"ipv4.conf.{device}.rp_filter", 0), (f"ipv6.conf.{device}.accept_dad", 0)):
             subprocess.run(within(name, ["sysctl", "-qw", f"net.{key}={value}"]), check=False, capture_output=True)
@@ -109,7 +153,7 @@ class Address(unittest.TestCase):
     def setUpClass(cls):
         if cls is Address:
             raise unittest.SkipTest("the two below have the tests")
-        cls.addClassCleanup(lambda: (ip("netns", "del", NEAR), ip("netns", "del", FAR)))
+        cls.addClassCleanup(lambda: [ip("netns", "del", name) for name in (NEAR, FAR, THIRD, SWITCH)])
         if not make_network(cls.ipv6):
             raise unittest.SkipTest("no network namespaces here: run as root where `ip netns` is allowed")
 
@@ -236,6 +280,20 @@ class ByBroadcast(Address):
         ended = self.stof("address", SERIAL, "dhcp", "--wait", "8", "--json")
         self.assertEqual((ended.returncode, ended.stdout, ended.stderr.count("\n")), (1, "", 1), ended.stderr)
         self.assertIn("is not heard at its new address: it goes back", ended.stderr)
+        self.assertEqual((self.saved()["address"], self.saved()["dhcp"]), (FIRST, False))
+
+    def test_an_address_at_which_a_stranger_hands_on_what_the_sensor_signs_is_not_its_own(self):
+        self.pair()
+        discover = wire.seal(wire.Header(type=wire.PacketType.DISCOVER), wire.Discover(request_id=7).pack())
+        announced = self.link(7561, discover)
+        self.setter.leases = False
+        stranger = subprocess.Popen(within(THIRD, [sys.executable, "-c", RELAY, "192.168.1.200", announced.hex(),
+                                                   str(pathlib.Path(wire.__file__).parent)]))
+        self.addCleanup(lambda: (stranger.kill(), stranger.wait()))
+        ended = self.stof("address", SERIAL, "dhcp", "--wait", "12", "--json")
+        self.assertIsNone(stranger.poll())
+        self.assertEqual((ended.returncode, ended.stdout, ended.stderr.count("\n")), (1, "", 1), ended.stderr)
+        self.assertIn("who answers at 192.168.1.200 is not the sensor", ended.stderr)
         self.assertEqual((self.saved()["address"], self.saved()["dhcp"]), (FIRST, False))
 
     def test_an_address_that_is_taken_is_refused(self):
