@@ -9,6 +9,7 @@
 #include "firmware/settings/fields/network_text.h"
 #include "firmware/settings/fields/presets.h"
 #include "firmware/settings/fields/schema.h"
+#include "firmware/settings/network_document.h"
 #include "firmware/settings/saved_settings.h"
 #include "firmware/settings/text/as_text.h"
 
@@ -16,8 +17,6 @@ namespace stof::settings {
 namespace {
 
 using wire::SettingsOperation;
-
-constexpr std::size_t kMostAddresses = 8;  // that are told
 
 // What others rely on, and what wears the medium: more than a change until the next start.
 bool needs_tune(SettingsOperation operation) noexcept {
@@ -147,7 +146,7 @@ SettingsServer::Result SettingsServer::serve(const wire::SettingsRequest& reques
   }
   switch (request.operation) {
     case Operation::kGet:
-      return get(request.document, by, out);
+      return get(request.document, by.access, out);
     case Operation::kSet:
       return change(text, by, out);
     case Operation::kStage:
@@ -172,8 +171,7 @@ SettingsServer::Result SettingsServer::serve(const wire::SettingsRequest& reques
   return Result::kUnsupported;
 }
 
-SettingsServer::Result SettingsServer::get(wire::SettingsDocument document,
-                                           const firmware::Requester& by,
+SettingsServer::Result SettingsServer::get(wire::SettingsDocument document, firmware::Access access,
                                            PagedWriter& out) const noexcept {
   using Document = wire::SettingsDocument;
   switch (document) {
@@ -193,33 +191,9 @@ SettingsServer::Result SettingsServer::get(wire::SettingsDocument document,
       write_schema(out);
       return Result::kOk;
     case Document::kNetwork:
-      return get_network(by, out);
+      return write_network(parts_.interfaces, access, out);
   }
   return Result::kUnsupported;
-}
-
-// Whoever is answered at an address that is none of these is answered by somebody between.
-SettingsServer::Result SettingsServer::get_network(const firmware::Requester& by,
-                                                   PagedWriter& out) const noexcept {
-  if (by.access < Access::kAdmin) {
-    static_cast<void>(deny("network", by.access, Access::kAdmin, out));
-    return Result::kDenied;
-  }
-  if (parts_.interfaces == nullptr) {
-    return Result::kUnsupported;
-  }
-  std::array<hal::InterfaceAddress, 2 * kMostAddresses> all;  // of both kinds
-  std::size_t told = 0;
-  out << R"({"ipv4": [)";
-  for (const hal::InterfaceAddress& one : std::span(all).first(parts_.interfaces->addresses(all))) {
-    if (!hal::is_ipv4(one.address) || one.address[12] == 127 || told == kMostAddresses) {
-      continue;
-    }
-    out << (told++ == 0 ? "\"" : ", \"") << one.address[12] << '.' << one.address[13] << '.'
-        << one.address[14] << '.' << one.address[15] << '"';
-  }
-  out << "]}";
-  return Result::kOk;
 }
 
 bool SettingsServer::staged_by(const firmware::Requester& by, std::string_view operation,

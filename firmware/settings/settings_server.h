@@ -24,8 +24,7 @@ namespace stof::settings {
 class Limits {
  public:
   virtual ~Limits() = default;
-  // Whether the sensor can run with them. false: `why` says in one line what is too much and what
-  // to do.
+  // Whether the sensor can run with them. false: `why` says in a line what is too much, what to do.
   virtual bool accepts(const Settings& settings, PagedWriter& why) noexcept = 0;
 };
 
@@ -69,9 +68,9 @@ class SettingsServer final : public firmware::SettingsService {
   // saved before a request has named it.
   SettingsServer(const Settings& active, const Settings& saved, const Parts& parts) noexcept;
 
-  // kDenied: by.access does not do; to stage, commit, revert and save it takes kTune, to change or
-  // stage a field what permitted() says: nobody stages what he may not set. A text that is longer
-  // than `answer_text` is cut off there. request_id and cookie are the caller's.
+  // kDenied: by.access does not do. To stage, commit, revert and save takes kTune, a field what
+  // permitted() says. A text longer than `answer_text` is cut off. request_id, cookie: the
+  // caller's.
   wire::SettingsAnswer serve(const wire::SettingsRequest& request, std::span<const std::byte> text,
                              const firmware::Requester& by, std::span<std::byte> answer_text,
                              std::size_t& answer_bytes) noexcept override;
@@ -83,8 +82,7 @@ class SettingsServer final : public firmware::SettingsService {
   std::uint32_t revision() const noexcept { return revision_; }
   // Some of the active settings wait for the next start.
   bool restart_needed() const noexcept;
-  // What is in the store, where the sensor runs with it and with nothing else; nullptr: it does
-  // not. What a command line adds at the start does not count.
+  // What is in the store, where the sensor runs with it and, but for a command line, nothing else.
   const Settings* saved_in_force() const noexcept;
   // The last attempt to save failed. Never where there is no store: nothing was ever promised.
   bool unsaved() const noexcept { return unsaved_; }
@@ -99,9 +97,7 @@ class SettingsServer final : public firmware::SettingsService {
 
   Result serve(const wire::SettingsRequest& request, std::string_view text,
                const firmware::Requester& by, PagedWriter& out) noexcept;
-  Result get(wire::SettingsDocument document, const firmware::Requester& by,
-             PagedWriter& out) const noexcept;
-  Result get_network(const firmware::Requester& by, PagedWriter& out) const noexcept;
+  Result get(wire::SettingsDocument document, Access access, PagedWriter& out) const noexcept;
   Result stage(std::string_view text, const firmware::Requester& by, PagedWriter& why) noexcept;
   // Whether what is staged is the requester's, or nothing is; says why not.
   bool staged_by(const firmware::Requester& by, std::string_view operation,

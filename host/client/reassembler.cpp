@@ -373,7 +373,7 @@ void Reassembler::close(FrameSlot& slot) {
     drop(slot, &Statistics::frames_stale);
     return;
   }
-  note_pace(slot);
+  pace_.note(slot.last_packet(), slot.made_with());
   messages_.note_frame(slot.made_with(), slot.last_packet());
   if (comes_late(slot)) {
     ++late_frames_;
@@ -384,14 +384,6 @@ void Reassembler::close(FrameSlot& slot) {
   slot.choose_calibration(messages_.lenses());
   slot.order = ++finished_;
   slot.state = FrameSlot::State::kFinished;
-}
-
-void Reassembler::note_pace(const FrameSlot& slot) {
-  const std::optional<MadeWith> made = slot.made_with();
-  pace_.note(slot.last_packet(), made
-                                     ? std::optional(FramePace::Source{.session = slot.session_id(),
-                                                                       .settings = made->settings})
-                                     : std::nullopt);
 }
 
 bool Reassembler::comes_late(const FrameSlot& slot) {

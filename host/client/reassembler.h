@@ -94,7 +94,6 @@ class Reassembler {
   void start_session();
   void push_report(const wire::PacketView& packet, Time arrived);
   void push_calibration(const wire::PacketView& packet, Time arrived);
-  void note_pace(const FrameSlot& slot);
   void push_part(const wire::PacketView& packet, Time arrived);
   void push_parity(const wire::PacketView& packet, Time arrived);
   void refuse_old(const wire::Header& header, Time arrived);

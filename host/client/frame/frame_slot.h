@@ -33,6 +33,7 @@ class PacketSet {
 
 // What a frame says that it was made with.
 struct MadeWith {
+  std::uint32_t session = 0;
   std::uint32_t settings = 0;     // their revision
   std::uint32_t calibration = 0;  // its fingerprint
 
@@ -74,7 +75,6 @@ class FrameSlot {
   std::uint32_t missing_packets() const noexcept { return header_.count - received_packets_; }
   std::uint16_t count() const noexcept { return header_.count; }
   const wire::FrameStamp& stamp() const noexcept { return header_.frame; }
-  std::uint32_t session_id() const noexcept { return header_.origin.session_id; }
   std::uint32_t number() const noexcept { return header_.frame.number; }
   std::uint32_t freshness() const noexcept { return header_.frame.freshness; }
   Time last_packet() const noexcept { return last_packet_; }
@@ -82,7 +82,8 @@ class FrameSlot {
   const PacketSet& parity_packets() const noexcept { return parity_packets_; }
   // Nothing: that packet did not arrive.
   std::optional<MadeWith> made_with() const noexcept {
-    return info_ ? std::optional(MadeWith{.settings = info_->settings_revision,
+    return info_ ? std::optional(MadeWith{.session = header_.origin.session_id,
+                                          .settings = info_->settings_revision,
                                           .calibration = info_->calibration_fingerprint})
                  : std::nullopt;
   }

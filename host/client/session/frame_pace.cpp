@@ -11,7 +11,7 @@ constexpr std::size_t kEnoughGaps = 8;  // to know how far apart frames come
 
 }  // namespace
 
-void FramePace::note(Time arrived, const std::optional<Source>& source) noexcept {
+void FramePace::note(Time arrived, const std::optional<MadeWith>& made) noexcept {
   if (newest_) {
     const Duration gap = std::max(arrived - *newest_, Duration(0));
     came_ += std::min(gap, kSecond);
@@ -21,18 +21,18 @@ void FramePace::note(Time arrived, const std::optional<Source>& source) noexcept
   }
   interrupted_ = false;
   newest_ = newest_ ? std::max(*newest_, arrived) : arrived;
-  if (source) {
-    change_to(*source);
+  if (made) {
+    change_to(*made);
   }
 }
 
-void FramePace::change_to(const Source& source) noexcept {
-  if (!current_.source) {
-    current_.source = source;
-  } else if (current_.source != source) {
+void FramePace::change_to(const MadeWith& made) noexcept {
+  if (!current_.made) {
+    current_.made = made;
+  } else if (current_.made != made) {
     std::swap(current_, former_);
-    if (current_.source != source) {
-      current_ = Told{.source = source, .seconds = {}};
+    if (current_.made != made) {
+      current_ = Told{.made = made, .seconds = {}};
     }
   }
 }

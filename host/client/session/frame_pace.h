@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "host/client/frame/frame.h"
+#include "host/client/frame/frame_slot.h"
 
 namespace stof::client {
 
@@ -24,16 +25,8 @@ class FramePace {
   // Before its second frame no more is believed.
   static constexpr Duration kUnproven = std::chrono::seconds(1);
 
-  // Of which frames a period holds.
-  struct Source {
-    std::uint32_t session = 0;
-    std::uint32_t settings = 0;  // their revision
-
-    friend bool operator==(const Source&, const Source&) = default;
-  };
-
-  // A frame that is newer than all before; source: where its info arrived.
-  void note(Time arrived, const std::optional<Source>& source) noexcept;
+  // A frame that is newer than all before; made: nothing: its info did not arrive.
+  void note(Time arrived, const std::optional<MadeWith>& made) noexcept;
   // Frames were refused since, or their order is begun anew: the gap to the next one counts for
   // nothing.
   void interrupt() noexcept { interrupted_ = true; }
@@ -56,11 +49,11 @@ class FramePace {
     Duration least{0};  // that was told in it
   };
   struct Told {
-    std::optional<Source> source;
+    std::optional<MadeWith> made;
     std::array<Second, kSeconds> seconds;
   };
 
-  void change_to(const Source& source) noexcept;
+  void change_to(const MadeWith& made) noexcept;
   // Below this nothing is believed.
   Duration least() const noexcept;
   std::int64_t second() const noexcept { return came_ / std::chrono::seconds(1); }

@@ -26,7 +26,7 @@ class FramePaceTest : public testing::Test {
     }
   }
   void frame(std::uint32_t settings = 1, std::uint32_t session = 1) {
-    pace_.note(now_, FramePace::Source{.session = session, .settings = settings});
+    pace_.note(now_, MadeWith{.session = session, .settings = settings});
   }
 
   FramePace pace_;
