@@ -413,6 +413,8 @@ class Sensors(Program):
                 json.loads(data)
         self.assertFalse(any("key" in name for name in files))
         self.refused(self.stof("report", self.place, "support.tar"), 2, "support.tar", "--force")
+        told = json.loads(self.stof("report", self.recording, "recorded.tar", "--json").stdout)
+        self.assertLessEqual({"settings_recorded.json", "events.txt", "frame/depth.png", "info.json"}, set(told["files"]))
         plain = self.stof("report", self.place, "plain.tar", "--seconds", "0.5", "--no-pictures", *LONG.split())
         self.assertEqual(plain.returncode, 0, plain.stderr)
         with tarfile.open(self.folder / "plain.tar") as tar:
