@@ -185,10 +185,10 @@ class Record(unittest.TestCase):
         self.refuse(2, "Not a directory", "record", nobody, self.whole / "r.mcap")
         self.refuse(2, "--force", "record", nobody, self.whole)
         self.refuse(2, "stdout", "record", nobody, "-")
-        link = self.folder / "link.mcap"
+        link = self.folder / "dangling.mcap"
         link.symlink_to(self.folder / "nowhere.mcap")
         for force in ((), ("--force",)):
-            self.refuse(2, "link.mcap: is a link: a link is not written through", "record", nobody, link, *force)
+            self.refuse(2, "dangling.mcap: is a link: a link is not written through", "record", nobody, link, *force)
         empty = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
         self.refuse(2, "make room", "record", nobody, self.folder / "r.mcap", preexec_fn=empty)
         for verb in ("info", "recover"):
