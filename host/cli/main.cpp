@@ -115,10 +115,11 @@ void add_view(CLI::App& app, ViewOptions& options) {
   CLI::App& view_command = *app.add_subcommand(
       "view", "Receive depth: a page in the browser, a line a second, pictures");
   show_example(view_command, "stof view 192.168.1.20");
-  view_command.add_option(
-      "SENSOR", options.sensor,
-      std::string(kSensorOrFile) + "; none: listen for a sensor that sends here");
-  add_receive_flags(view_command, options);
+  view_command
+      .add_option("SENSOR", options.sensor,
+                  std::string(kSensorOrFile) + "; none: listen for a sensor that sends here")
+      ->check(not_empty());
+  add_receive_flags(view_command, options, KeyUse::kPage);
   view_command
       .add_option("--frames", options.frames, "End after so many frames; 0: when interrupted")
       ->capture_default_str();
@@ -220,8 +221,7 @@ int main(int argc, char** argv) {
     const int code = stof::host::run(argc, argv);
     // What nobody can read was not said: a full disk, a terminal that has gone.
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-      return stof::host::complain(Exit::kFailure,
-                                  "its output cannot be written: make room, or send it elsewhere");
+      return stof::host::complain(Exit::kFailure, stof::host::unwritten_text(errno));
     }
     return code;
   } catch (const stof::host::Failure& failure) {

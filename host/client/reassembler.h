@@ -62,6 +62,8 @@ class Reassembler {
   FrameDelay& delay() noexcept { return delay_; }
   // Of the sensor's trigger, as it tells and frames come (FramePace); 0: not known.
   Duration period() const;
+  // Of the current session; none: nothing was heard.
+  const std::optional<wire::Origin>& origin() const noexcept { return session_.current(); }
   // The newest of the current session.
   const std::optional<wire::CalibrationPacket>& calibration() const noexcept {
     return messages_.calibration();

@@ -113,10 +113,12 @@ void FrameAssembler::take_packet(Topic topic, const mcap::Message& message, cons
   } else if (topic == Topic::kHealth) {
     if (const auto health = wire::decode_health_report(packet.payload)) {
       sights_.health.emplace_back(message.log_time, *health);
+      sights_.health_sessions.push_back(packet.origin.session_id);
     }
   } else if (topic == Topic::kEvent) {
     if (const auto event = wire::decode_event_report(packet.payload)) {
       sights_.events.emplace_back(message.log_time, *event);
+      sights_.event_sessions.push_back(packet.origin.session_id);
     }
   } else {
     frame_->log_time = message.log_time;

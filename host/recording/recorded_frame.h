@@ -47,6 +47,9 @@ class RecordedFrame {
 struct Sights {                                                        // beside the frames
   std::vector<std::pair<std::uint64_t, wire::HealthReport>> health{};  // with log time
   std::vector<std::pair<std::uint64_t, wire::EventReport>> events{};
+  // In which session of the sensor each of them was said.
+  std::vector<std::uint32_t> health_sessions{};
+  std::vector<std::uint32_t> event_sessions{};
 };
 
 // Health comes once a second: what is older says nothing of a time.

@@ -151,11 +151,14 @@ void PageView::record(const client::Frame& frame, const client::Receiver& receiv
   }
 }
 
+void PageView::record(const wire::EventReport& event, const client::Receiver& receiver) {
+  if (recording_) {
+    recording_->take(event, receiver.origin());
+  }
+}
+
 void PageView::tell(const wire::EventReport& event, const std::string& text,
                     std::optional<std::uint64_t> at_ms) {
-  if (recording_) {
-    recording_->take(event);
-  }
   if (viewer_) {
     viewer_->tell(event, text, at_ms);
   }
@@ -209,7 +212,7 @@ void PageView::look(const ReceiveOptions& options, client::Receiver& receiver, c
     return;
   }
   serve_own(receiver);
-  recording_->take(receiver.health());
+  recording_->take(receiver.health(), receiver.origin());
   if (due(now)) {
     tell_status(options, receiver);
     viewer_->tell(viewer::Topic::kRecording, viewer::recording_message(recording_->state()));

@@ -83,7 +83,7 @@ class View {
     }
     if (frames_ < options_.frames || silent_) {
       throw Failure(Exit::kFailure, where + ": the stream ended after " + std::to_string(frames_) +
-                                        " frames" + ended_text(receiver_, options_));
+                                        " frames" + ended_text(receiver_, options_, clock_));
     }
   }
 
@@ -125,6 +125,7 @@ class View {
     while (const std::optional<wire::EventReport> event = receiver_.take_event()) {
       const std::string text = event_line(*event);
       say(text);
+      page_.record(*event, receiver_);
       page_.tell(*event, text);
     }
   }
@@ -157,7 +158,8 @@ class View {
     if (frames_ == 0) {
       say(first_frame_line(options_, receiver_, frame->origin.device_id));
     }
-    const bool replay = frame->stamp.clock == wire::ClockState::kRecorded;
+    clock_ = frame->stamp.clock;
+    const bool replay = clock_ == wire::ClockState::kRecorded;
     if (replay && !replay_) {
       say(kReplayLine);
     }
@@ -208,6 +210,7 @@ class View {
   client::Time written_at_{};  // when the last of them was there
   std::uint64_t raw_ = 0;      // exposures with all raw pictures
   client::Time raw_heard_{};
+  wire::ClockState clock_ = wire::ClockState::kMonotonic;  // of the last frame
   bool silent_ = false;
 };
 
