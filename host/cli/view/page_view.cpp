@@ -175,10 +175,12 @@ void PageView::tell(const wire::EventReport& event, const std::string& text,
   }
 }
 
-void PageView::tell(const LinkTeller::Change& change) {
+void PageView::tell(const LinkTeller::Change& change, std::optional<std::uint64_t> at_ms) {
   if (viewer_) {
-    viewer_->tell(viewer::LinkEvent{
-        .text = change.text, .severity = change.severity, .active = change.active});
+    viewer_->tell(
+        viewer::LinkEvent{
+            .text = change.text, .severity = change.severity, .active = change.active},
+        at_ms);
   }
 }
 
@@ -249,18 +251,21 @@ void PageView::tell_status(const ReceiveOptions& options, client::Receiver& rece
   viewer_->tell(link_of(receiver, waiting));
 }
 
-void PageView::tell_recorded(const client::Statistics& statistics,
-                             const std::optional<wire::HealthReport>& health, client::Time now) {
-  if (due(now)) {
-    const client::LinkState link{.silent = false};
-    viewer_->tell({.statistics = statistics,
-                   .link = link,
-                   .health = health,
-                   .health_text = health ? health_line(*health) : "",
-                   .waiting = ""});
-    viewer_->tell(bridge::RobotFeed::Link{
-        .place = receive_->sensor, .health = health, .statistics = statistics, .recording = true});
+bool PageView::tell_recorded(const client::Statistics& statistics,
+                             const std::optional<wire::HealthReport>& health,
+                             const std::string& waiting, client::Time now) {
+  if (!due(now)) {
+    return false;
   }
+  const client::LinkState link{.silent = !waiting.empty()};
+  viewer_->tell({.statistics = statistics,
+                 .link = link,
+                 .health = health,
+                 .health_text = health ? health_line(*health) : "",
+                 .waiting = waiting});
+  viewer_->tell(bridge::RobotFeed::Link{
+      .place = receive_->sensor, .health = health, .statistics = statistics, .recording = true});
+  return true;
 }
 
 void PageView::tell(const viewer::PlaybackState& playback) {
