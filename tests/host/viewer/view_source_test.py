@@ -189,7 +189,7 @@ class Sources(unittest.TestCase):
         sensor.process.send_signal(signal.SIGSTOP)
         time.sleep(3)
         sensor.process.send_signal(signal.SIGCONT)
-        time.sleep(3)
+        time.sleep(4)
         sensor.process.kill()
         sensor.process.wait()
         self.start(Sensor, port=sensor.port, name="again")
@@ -201,17 +201,19 @@ class Sources(unittest.TestCase):
         for one, name in ((file, "whole"), (cut, "cut")):
             view = self.start(View, one, "--http-port", "0", name=name)
             with WebSocket(view.port) as page:
-                events, statuses = [], []
-                while not ("sends again" in "".join(event["text"] for event in events[3:]) and [one for one in statuses if one["waiting"]]):
+                events, waited, end = [], False, time.monotonic() + ENOUGH_S
+                while not (waited and "sends again" in "".join(event["text"] for event in events[3:])):
+                    self.assertLess(time.monotonic(), end, events)
                     opcode, payload = page.receive()
                     told = json.loads(payload) if opcode == 1 else {"type": ""}
                     events += [told] if told["type"] == "event" and told["condition"] is None else []
-                    statuses += [told | {"place": page.told.get("playback")}] if told["type"] == "status" else []
+                    waited = waited or bool(told.get("waiting"))
                 self.assertTrue(all(before["time_ms"] <= after["time_ms"] for before, after in zip(events, events[1:])), events)
                 said = [re.match("link: the sensor (is silent|sends again|started again)", event["text"])[1] for event in events]
-                self.assertEqual((said[:3], said.count("started again")), (["is silent", "sends again", "is silent"], 1), events)
-                silent, again = (event["time_ms"] - page.told["playback"]["began_ms"] for event in events[:2])
-                self.assertTrue(3000 < again - silent < 6000, events)
+                self.assertEqual((said[0], said[-1], said.count("started again")), ("is silent", "sends again", 1), events)
+                silent = events[0]["time_ms"] - page.told["playback"]["began_ms"]
+                again = events[said.index("sends again")]["time_ms"] - page.told["playback"]["began_ms"]
+                self.assertGreater(again - silent, 3000, events)
                 if one is file:
                     self.look_at_the_silence(page, silent)
                     self.look_at_the_restart(page, next(event["time_ms"] for event in events if "started" in event["text"]))
@@ -223,16 +225,16 @@ class Sources(unittest.TestCase):
         self.assertTrue(page.wish("seek", to_ms=silent - 900)["done"])
         page.until("playback", lambda place: silent - 1000 < place["at_ms"] < silent)
         began, places = time.monotonic(), []
-        while not page.told["status"]["waiting"]:
+        while not page.told["status"]["waiting"] and time.monotonic() < began + ENOUGH_S:
             page.message("status")
         while (status := page.message("status"))["waiting"]:
-            self.assertRegex(status["waiting"], r"^the recording has nothing here for [23]\.\d s$")
+            self.assertRegex(status["waiting"], r"^the recording has nothing here for [2-9]\.\d s$")
             self.assertEqual(status["link"], ["silent"])
             places.append(page.told["playback"]["at_ms"])
+        self.assertEqual(status["link"], [])
         self.assertGreater(time.monotonic() - began, 2.5)
         self.assertGreater(len(places), 2)
         self.assertTrue(all(before < after for before, after in zip(places, places[1:])), places)
-        self.assertEqual(page.message("status")["link"], [])
 
     def look_at_the_restart(self, page, started):
         """Its first frame has no health of the start before."""
@@ -295,7 +297,7 @@ class Sources(unittest.TestCase):
         self.assertEqual(view.stop(), 0)
 
     def test_headless_writes_pictures_and_serves_nothing(self):
-        sensor = self.start(Sensor)
+        sensor = self.start(Sensor, "--size", "640x480")  # its files take longer than a period on most machines
         out = pathlib.Path(self.folder) / "pictures"
         ended = subprocess.run([*COMMAND, "view", f"127.0.0.1:{sensor.port}", "--timeout", "20", "--frames", "5", "--headless", str(out)],
                                capture_output=True, text=True, timeout=ENOUGH_S, check=False)
