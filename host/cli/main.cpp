@@ -124,10 +124,10 @@ void add_view(CLI::App& app, ViewOptions& options) {
       .add_option("--frames", options.frames, "End after so many frames; 0: when interrupted")
       ->capture_default_str();
   view_command.add_option("--out", options.out, "Folder for depth.png, depth_color.png, cloud.ply");
-  view_command.add_option(
-      "--headless", options.headless,
-      "Folder for depth_NUMBER.png and depth_color_NUMBER.png of every frame, in "
-      "place of the page in the browser");
+  view_command.add_option("--headless", options.headless,
+                          "Folder for depth_NUMBER.png and depth_color_NUMBER.png of each frame "
+                          "that there is time for, "
+                          "in place of the page in the browser");
   view_command.add_option("--truth", options.truth, "PFM, Z in metres: print the error against it");
   view_command.add_option("--near", options.scale.near_m, "Distance of the warmest colour, metres")
       ->check(CLI::Range(0.01, 1000.0))

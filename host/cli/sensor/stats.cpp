@@ -11,10 +11,9 @@
 #include "host/cli/output.h"
 #include "host/cli/recording/damage_text.h"
 #include "host/cli/recording/reading_progress.h"
+#include "host/cli/recording/recorded_link.h"
 #include "host/cli/sensor/find_sensor.h"
 #include "host/cli/view/status_line.h"
-#include "host/client/session/frame_pace.h"
-#include "host/client/session/link_watch.h"
 #include "host/text/printed.h"
 
 namespace stof::host {
@@ -29,26 +28,6 @@ std::uint64_t frames_between(std::uint32_t before, std::uint32_t after) {
   const std::uint32_t step = after - before;  // wraps as the numbers do
   return step > 0 && step < (1U << 31) ? step - 1 : 0;
 }
-
-// What a receiver would have called silent, by the times at which frames were recorded.
-class RecordedSilences {
- public:
-  void take(const recording::RecordedFrame& frame) {
-    const client::Time arrived{std::chrono::nanoseconds(frame.log_time)};
-    const client::Duration period = pace_.believed(std::chrono::nanoseconds(
-        frame.calibration ? std::max<std::int64_t>(frame.calibration->period_ns, 0) : 0));
-    // Before the first gap no period is known by what frames show.
-    count_ += before_ && arrived - *before_ > client::silence_after(period) ? 1U : 0U;
-    pace_.note(arrived);
-    before_ = arrived;
-  }
-  unsigned count() const noexcept { return count_; }
-
- private:
-  client::FramePace pace_;
-  std::optional<client::Time> before_;
-  unsigned count_ = 0;
-};
 
 // ", 2 records in it are damaged, ..."; empty where nothing is.
 std::string damage_behind(const StreamStats& stats) {
@@ -123,25 +102,28 @@ StreamStats stats_of_file(const std::string& file, bool json) {
   StreamStats stats{.source = file};
   std::optional<wire::Origin> origin;
   std::uint32_t number = 0;
-  RecordedSilences silences;
+  RecordedLink link;
   ReadingProgress progress(file, json);
   while (const std::optional<recording::RecordedFrame> frame = reader.next()) {
     stats.figures.take(frame->view(), static_cast<double>(frame->log_time) / 1e9);
-    silences.take(*frame);
     ++(frame->missing_packets == 0 ? stats.counts.frames_complete : stats.counts.frames_incomplete);
     stats.counts.packets_missing += frame->missing_packets;
     stats.counts.packets_ok += frame->packets - std::min(frame->packets, frame->missing_packets);
-    if (origin && origin->session_id == frame->origin.session_id) {
+    const bool starts = origin && origin->session_id != frame->origin.session_id;
+    link.frame(frame->log_time,
+               std::chrono::nanoseconds(frame->calibration ? frame->calibration->period_ns : 0),
+               starts);
+    if (origin && !starts) {
       stats.counts.frames_lost += frames_between(number, frame->stamp.number);
     } else {
-      stats.restarts += origin ? 1U : 0U;
+      stats.restarts += starts ? 1U : 0U;
       ++stats.counts.sessions;
     }
     origin = frame->origin;
     number = frame->stamp.number;
     progress.show(reader.position(), reader.size());
   }
-  stats.silences = silences.count();
+  stats.silences = link.silences();
   stats.damage = Damage{.records = reader.damaged(), .bytes = reader.damaged_bytes()};
   if (stats.figures.frames() == 0) {
     throw Failure(Exit::kFailure, file + ": holds no frame" + damage_behind(stats) +
