@@ -93,7 +93,9 @@ void print(const std::vector<DeviceFaults>& devices, bool json) {
     }
     std::string now = one.now;
     if (one.now != "none") {
-      now += one.edges == "-" ? " until it is ended" : " at " + one.edges + (one.edges == "1" ? " edge more" : " edges more");
+      now += one.edges == "-"
+                 ? " until it is ended"
+                 : " at " + one.edges + (one.edges == "1" ? " edge more" : " edges more");
     }
     std::string line = one.device;
     line.resize(std::max(line.size(), std::size_t{8}), ' ');

@@ -185,7 +185,8 @@ class View {
 
   // One that had to wait for long is left out: the newer ones behind it are written.
   void write_depth(const FrameCopy& kept, client::Time arrived) {
-    constexpr std::chrono::milliseconds kMostWait{100};  // well below what is too old to be received
+    constexpr std::chrono::milliseconds kMostWait{
+        100};  // well below what is too old to be received
     if (client::Time::clock::now() - arrived > kMostWait) {
       ++left_out_;
       return;

@@ -221,7 +221,7 @@ TEST(HealthLine, HasNoFigureThatIsNotKnownYet) {
 
 TEST(SummaryLine, NamesEveryCauseOfLoss) {
   using client::Statistics;
-  constexpr std::uint64_t Statistics::*kCauses[] = {
+  constexpr std::uint64_t Statistics::* kCauses[] = {
       &Statistics::packets_missing, &Statistics::frames_lost,
       &Statistics::frames_stale,    &Statistics::frames_dropped,
       &Statistics::socket_drops,    &Statistics::bad_crc,
@@ -231,7 +231,7 @@ TEST(SummaryLine, NamesEveryCauseOfLoss) {
       &Statistics::oversized,       &Statistics::foreign,
       &Statistics::duplicate,       &Statistics::late,
       &Statistics::events_dropped};
-  for (std::uint64_t Statistics::*cause : kCauses) {
+  for (std::uint64_t Statistics::* cause : kCauses) {
     Statistics statistics;
     statistics.*cause = 4711;
     const std::string line = summary_line(statistics);
