@@ -92,9 +92,7 @@ class Player {
         return;
       }
       const client::Time now = client::Time::clock::now();
-      if (!playing_) {
-        due_ += now - std::exchange(looked, now);
-      }
+      due_ += playing_ ? client::Duration(0) : now - looked;
       looked = now;
       if (std::exchange(shows_one_, false) || (playing_ && now >= due_)) {
         return;
