@@ -1,6 +1,7 @@
 #include "host/cli/sensor/stats.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -13,7 +14,6 @@
 #include "host/cli/recording/reading_progress.h"
 #include "host/cli/sensor/find_sensor.h"
 #include "host/cli/view/status_line.h"
-#include "host/client/session/frame_pace.h"
 #include "host/client/session/link_watch.h"
 #include "host/text/printed.h"
 
@@ -30,22 +30,33 @@ std::uint64_t frames_between(std::uint32_t before, std::uint32_t after) {
   return step > 0 && step < (1U << 31) ? step - 1 : 0;
 }
 
-// What a receiver would have called silent, by the times at which frames were recorded.
+// What a receiver would have called silent, by the times at which frames were recorded. A period
+// that the sensor tells counts as far as frames of before bear it out.
 class RecordedSilences {
  public:
   void take(const recording::RecordedFrame& frame) {
     const client::Time arrived{std::chrono::nanoseconds(frame.log_time)};
-    const client::Duration period = pace_.believed(std::chrono::nanoseconds(
-        frame.calibration ? std::max<std::int64_t>(frame.calibration->period_ns, 0) : 0));
-    // Before the first gap no period is known by what frames show.
-    count_ += before_ && arrived - *before_ > client::silence_after(period) ? 1U : 0U;
-    pace_.note(arrived);
+    if (before_) {
+      const client::Duration gap = arrived - *before_;
+      count_ += gap > client::silence_after(period(frame)) ? 1U : 0U;
+      gaps_[noted_++ % gaps_.size()] = gap;
+    }
     before_ = arrived;
   }
   unsigned count() const noexcept { return count_; }
 
  private:
-  client::FramePace pace_;
+  client::Duration period(const recording::RecordedFrame& frame) const {
+    const client::Duration longest = *std::ranges::max_element(gaps_);
+    const client::Duration most =
+        noted_ == 0 ? client::Duration(std::chrono::seconds(1)) : longest + longest / 8;
+    const client::Duration told =
+        std::chrono::nanoseconds(frame.calibration ? frame.calibration->period_ns : 0);
+    return std::clamp(told, client::Duration(0), std::max(most, client::Duration(0)));
+  }
+
+  std::array<client::Duration, 32> gaps_{};  // the newest ones; 0: none yet
+  std::size_t noted_ = 0;
   std::optional<client::Time> before_;
   unsigned count_ = 0;
 };
