@@ -211,9 +211,8 @@ nlohmann::ordered_json event_json(const std::string& source, const wire::EventRe
 }
 
 nlohmann::ordered_json change_json(const std::string& source, const LinkTeller::Change& change) {
-  const char* const state = !change.active                              ? "sends_again"
-                            : change.severity == wire::Severity::kMajor ? "silent"
-                                                                        : "restarted";
+  const char* const begun = change.severity == wire::Severity::kMajor ? "silent" : "restarted";
+  const char* const state = change.active ? begun : "sends_again";
   return {{"source", source}, {"link", {{"state", state}, {"text", change.text}}}};
 }
 
