@@ -224,16 +224,18 @@ class Sources(unittest.TestCase):
         self.assertTrue(page.wish("play", on=True)["done"])
         self.assertTrue(page.wish("seek", to_ms=silent - 900)["done"])
         page.until("playback", lambda place: silent - 1000 < place["at_ms"] < silent)
+        end = time.monotonic() + ENOUGH_S
+        for waits in (False, True):  # the newest status may be of before
+            while bool(page.message("status")["waiting"]) != waits:
+                self.assertLess(time.monotonic(), end)
         began, places = time.monotonic(), []
-        while not page.told["status"]["waiting"] and time.monotonic() < began + ENOUGH_S:
-            page.message("status")
         while (status := page.message("status"))["waiting"]:
             self.assertRegex(status["waiting"], r"^the recording has nothing here for [2-9]\.\d s$")
             self.assertEqual(status["link"], ["silent"])
             places.append(page.told["playback"]["at_ms"])
         self.assertEqual(status["link"], [])
-        self.assertGreater(time.monotonic() - began, 2.5)
-        self.assertGreater(len(places), 2)
+        self.assertGreater(time.monotonic() - began, 1.5)  # of the 2.7 s in which it is told
+        self.assertGreater(len(places), 1)
         self.assertTrue(all(before < after for before, after in zip(places, places[1:])), places)
 
     def look_at_the_restart(self, page, started):
