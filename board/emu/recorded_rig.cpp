@@ -246,7 +246,11 @@ Replay::Verdict RecordedRig::verdict() const {
     }
   };
   say(counts_.missing, "exposures miss a picture that was lost: it was missing here, too");
-  say(counts_.unsent, "exposures were never received: the sensor or the link had no time for them");
+  say(counts_.unsent,
+      reader_.damaged() == 0
+          ? "exposures were never received: the sensor or the link had no time for them"
+          : "exposures are not there: damaged records may have held them, or they were never "
+            "received");
   say(failures, "exposures gave no frame");
   say(counts_.not_compared, "frames not compared: their recorded depth is missing or incomplete");
   say(counts_.unknown_settings,

@@ -158,7 +158,7 @@ Status Publisher::publish(const Shot& shot, const Output& output, hal::Time late
     health_.note_matches(
         pixels, std::uint64_t{of(sources, dsp::Source::kStereo)} + of(sources, dsp::Source::kBoth));
   }
-  health_.frame_sent(now - shot.exposed, output.drift.significant, info.drift_significant, now);
+  health_.frame_sent(latency(shot, now), output.drift.significant, info.drift_significant, now);
   return status;
 }
 
@@ -398,6 +398,11 @@ Sensors Publisher::rig_sensors() const noexcept {
   return setup_.calibration.pmd_width > 0 ? kBothSensors : kStereoSensor;
 }
 
+// 0: not measured. Of what is computed again the clock is the recording's.
+hal::Duration Publisher::latency(const Shot& shot, hal::Time now) const noexcept {
+  return setup_.clock == wire::ClockState::kRecorded ? hal::Duration(0) : now - shot.exposed;
+}
+
 wire::FrameInfo Publisher::describe(const Shot& shot, const Output& output) const noexcept {
   const hal::Exposure exposure = exposure_of(shot);
   wire::FrameInfo info{
@@ -405,7 +410,7 @@ wire::FrameInfo Publisher::describe(const Shot& shot, const Output& output) cons
       .exposure_end_ns = exposure.end.time_since_epoch().count(),
       .pmd_age_ns = shot.pmd_exposed ? (shot.exposed - *shot.pmd_exposed).count() : 0,
       .compute_ns = output.stats.total().count(),
-      .latency_ns = (clock_.now() - shot.exposed).count(),
+      .latency_ns = latency(shot, clock_.now()).count(),
       .pixels_by_source = output.stats.sources,
       .counters = loop_counters(events_.counters),
       .pixels_by_cause = output.stats.causes,

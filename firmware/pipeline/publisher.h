@@ -100,6 +100,7 @@ class Publisher {
   class RawWay;
 
   Sensors rig_sensors() const noexcept;
+  hal::Duration latency(const Shot& shot, hal::Time now) const noexcept;
   wire::FrameInfo describe(const Shot& shot, const Output& output) const noexcept;
   wire::Header header(wire::PacketType type) const noexcept;
   Status send_frame(const Shot& shot, const Output& output, const wire::FrameInfo& info,

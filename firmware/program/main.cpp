@@ -82,17 +82,26 @@ int refuse(const std::string& line, int code = kExitBadInput) {
   return code;
 }
 
+// What was asked for is what was printed.
+int end_of_output() {
+  return std::fflush(stdout) == 0 && std::ferror(stdout) == 0
+             ? kExitOk
+             : refuse("its output cannot be written: make room, or send it elsewhere",
+                      kExitFailure);
+}
+
 int help() {
   const std::string flags = options_usage();
   std::printf(
       "stofd: triggers the cameras, computes depth, sends it. One program, one board: "
       "%s.\n\n%.*s\nBoard %s:\n%.*s\n"
-      "Exit codes: 0 stopped as asked, 1 a device failed at start, or another stofd has its files, "
+      "Exit codes: 0 stopped as asked, 1 a device failed at start, another stofd has its files, or "
+      "what --help and the like print cannot be written, "
       "2 bad input, 3 and 4 the board "
       "shall restart, with 4 once from the other slot; nothing that was saved ends it.\n",
       board::kConfig.name, static_cast<int>(flags.size()), flags.data(), board::kConfig.name,
       static_cast<int>(board::usage().size()), board::usage().data());
-  return kExitOk;
+  return end_of_output();
 }
 
 // Random, so that a receiver notices a sender that started anew.
@@ -362,7 +371,7 @@ int run(board::Board& board, const Options& options, InitialSettings start,
 
 int print(const std::string& text) {
   std::printf("%s", text.c_str());
-  return kExitOk;
+  return end_of_output();
 }
 
 int start_and_run(std::span<const std::string_view> arguments) {

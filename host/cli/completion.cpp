@@ -1,7 +1,10 @@
 #include "host/cli/completion.h"
 
-#include <vector>
+#include <array>
+#include <string>
 
+#include "host/cli/config/config.h"
+#include "host/cli/fault.h"
 #include "host/cli/help_text.h"
 #include "host/cli/output.h"
 #include "host/text/printed.h"
@@ -24,6 +27,16 @@ std::string values_of(const CLI::Option& option) {
   }
   return words;
 }
+
+// What options do not tell: words of a command, and words behind one of them.
+struct Known {
+  const char* path;
+  const char* words;
+};
+constexpr std::array<Known, 2> kKnownWords{
+    {{"stof config", kConfigActions}, {"stof fault", "trigger: stereo: pmd:"}}};
+constexpr std::array<Known, 2> kKnownBehind{
+    {{"stof config preset", kPresetNames}, {"stof fault :", kFaultKinds}}};
 
 struct Script {
   std::string paths;   // patterns of commands that lead on: "stof calib" | ...
@@ -65,6 +78,9 @@ void add_command(const CLI::App& app, const std::string& path, Script& script) {
   if (!free.empty()) {
     script.values += "    " + free + ") return ;;\n";
   }
+  for (const Known& known : kKnownWords) {
+    words += known.path == path ? std::string(known.words) + " " : "";
+  }
   words.resize(words.empty() ? 0 : words.size() - 1);
   script.words += "    \"" + path + "\") words=\"" + words + "\" ;;\n";
 }
@@ -74,8 +90,12 @@ void add_command(const CLI::App& app, const std::string& path, Script& script) {
 std::string bash_completion(const CLI::App& app) {
   Script script;
   add_command(app, app.get_name(), script);
+  for (const Known& known : kKnownBehind) {
+    script.values.append(printed("    \"%s\") words=\"%s\" ;;\n", known.path, known.words));
+  }
   const std::string& name = app.get_name();
-  // Bash splits --flag=value at the =, which is a word of its own then.
+  // Bash splits --flag=value at the =, which is a word of its own then, and pmd:vanish at the
+  // colon.
   return "# bash completion of " + name + ", made by: " + name + " completion bash\n_" + name +
          "() {\n"
          "  local current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} path=" +
@@ -94,6 +114,9 @@ std::string bash_completion(const CLI::App& app) {
          ") path=\"$path ${COMP_WORDS[i]}\" ;;\n"
          "    esac\n"
          "  done\n"
+         "  if [ \"$path $current\" = \"stof fault :\" ]; then\n"
+         "    before=: current=\n"
+         "  fi\n"
          "  case \"$path $before\" in\n" +
          script.values +
          "  esac\n"
@@ -103,6 +126,9 @@ std::string bash_completion(const CLI::App& app) {
          "    esac\n"
          "  fi\n"
          "  COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n"
+         "  case \"${COMPREPLY[*]}\" in\n"
+         "    *:) compopt -o nospace 2>/dev/null ;;\n"
+         "  esac\n"
          "}\n"
          "complete -o default -F _" +
          name + " " + name + "\n";

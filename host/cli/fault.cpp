@@ -93,7 +93,9 @@ void print(const std::vector<DeviceFaults>& devices, bool json) {
     }
     std::string now = one.now;
     if (one.now != "none") {
-      now += one.edges == "-" ? " until it is ended" : " at " + one.edges + " edges more";
+      now += one.edges == "-"
+                 ? " until it is ended"
+                 : " at " + one.edges + (one.edges == "1" ? " edge more" : " edges more");
     }
     std::string line = one.device;
     line.resize(std::max(line.size(), std::size_t{8}), ' ');
@@ -139,9 +141,9 @@ void add_fault(CLI::App& app, FaultOptions& options) {
   CLI::App& command = *app.add_subcommand(
       "fault", "Make an emulated sensor fail while it runs: a camera that is unplugged, dark, ...");
   command.footer(
-      "Example: stof fault /run/user/1000/faults pmd:vanish:60   (scripts/run prints the path of "
-      "its own)\n"
+      "Example: stof fault /run/user/1000/faults pmd:vanish:60\n"
       "         stof fault /run/user/1000/faults pmd:none\n"
+      "scripts/run prints the path of its own socket.\n"
       "Kinds: drop, delay, repeat, tear, corrupt, vanish (unplugged), freeze (old pixels), dark "
       "(no lamp), hang (old pixels until it is opened again).\n"
       "Ends with 0 (done), 1 (no emulated sensor answers) or 2 (bad input).");

@@ -9,6 +9,10 @@
 // Faults of an emulated sensor while it runs: what `stofd --fault-socket PATH` takes.
 namespace stof::host {
 
+// What a device may have, for completion.
+inline constexpr const char* kFaultKinds =
+    "none drop delay repeat tear corrupt vanish freeze dark hang";
+
 // A device of the emulated rig.
 struct DeviceFaults {
   std::string device{};              // trigger, stereo or pmd

@@ -21,6 +21,14 @@ inline void show_example(CLI::App& command, const std::string& example,
   command.footer("Example: " + example + "\n" + ends);
 }
 
+// Of a SENSOR: a text that a script left empty means none.
+inline CLI::Validator not_empty() {
+  return {[](const std::string& text) {
+            return text.empty() ? std::string("is empty: name a sensor") : std::string();
+          },
+          ""};
+}
+
 // SENSOR of commands that only read.
 inline constexpr const char* kSensorOrFile =
     "Serial number, name or HOST[:PORT] of a sensor, port 7560 without, or a file that stof record "

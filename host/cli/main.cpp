@@ -115,18 +115,19 @@ void add_view(CLI::App& app, ViewOptions& options) {
   CLI::App& view_command = *app.add_subcommand(
       "view", "Receive depth: a page in the browser, a line a second, pictures");
   show_example(view_command, "stof view 192.168.1.20");
-  view_command.add_option(
-      "SENSOR", options.sensor,
-      std::string(kSensorOrFile) + "; none: listen for a sensor that sends here");
-  add_receive_flags(view_command, options);
+  view_command
+      .add_option("SENSOR", options.sensor,
+                  std::string(kSensorOrFile) + "; none: listen for a sensor that sends here")
+      ->check(not_empty());
+  add_receive_flags(view_command, options, KeyUse::kPage);
   view_command
       .add_option("--frames", options.frames, "End after so many frames; 0: when interrupted")
       ->capture_default_str();
   view_command.add_option("--out", options.out, "Folder for depth.png, depth_color.png, cloud.ply");
-  view_command.add_option(
-      "--headless", options.headless,
-      "Folder for depth_NUMBER.png and depth_color_NUMBER.png of every frame, in "
-      "place of the page in the browser");
+  view_command.add_option("--headless", options.headless,
+                          "Folder for depth_NUMBER.png and depth_color_NUMBER.png of each frame "
+                          "that there is time for, "
+                          "in place of the page in the browser");
   view_command.add_option("--truth", options.truth, "PFM, Z in metres: print the error against it");
   view_command.add_option("--near", options.scale.near_m, "Distance of the warmest colour, metres")
       ->check(CLI::Range(0.01, 1000.0))
@@ -220,8 +221,7 @@ int main(int argc, char** argv) {
     const int code = stof::host::run(argc, argv);
     // What nobody can read was not said: a full disk, a terminal that has gone.
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-      return stof::host::complain(Exit::kFailure,
-                                  "its output cannot be written: make room, or send it elsewhere");
+      return stof::host::complain(Exit::kFailure, stof::host::unwritten_text(errno));
     }
     return code;
   } catch (const stof::host::Failure& failure) {

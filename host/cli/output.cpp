@@ -12,9 +12,7 @@
 namespace stof::host {
 namespace {
 
-[[noreturn]] void refuse_output() {
-  throw Failure(Exit::kFailure, "its output cannot be written: make room, or send it elsewhere");
-}
+[[noreturn]] void refuse_output() { throw Failure(Exit::kFailure, unwritten_text(errno)); }
 
 [[noreturn]] void refuse_path(const char* flag, const std::filesystem::path& path,
                               const char* what) {
@@ -26,6 +24,11 @@ bool may_write(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+const char* unwritten_text(int error) noexcept {
+  return error == EPIPE ? "its output cannot be written any more: whoever read it has gone"
+                        : "its output cannot be written: make room, or send it elsewhere";
+}
 
 void say_text(const std::string& text) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {

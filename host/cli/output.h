@@ -13,6 +13,9 @@ void say(const std::string& line);
 // The same for a text that has its ends of lines.
 void say_text(const std::string& text);
 
+// Why what was to be printed could not be, and what to do, by errno.
+const char* unwritten_text(int error) noexcept;
+
 // Throws Failure, code 1, where stdout takes nothing at all (/dev/full, closed). A disk that fills
 // up later shows when it does.
 void need_output();

@@ -54,7 +54,8 @@ std::string silence_text(client::Receiver& receiver, std::optional<std::uint32_t
     return ": " + client::other_sensor(*receiver.other_sensor(), *meant);
   }
   if (receiver.subscription() == client::Subscription::State::kFull) {
-    return ": the sensor has as many subscribers as it takes: end another one";
+    return std::string(": the sensor has as many subscribers as it takes (") + kPlacesText +
+           "): end another one";
   }
   if (receiver.subscription() == client::Subscription::State::kNoKey) {
     return ": no key of yours is one of this sensor: pair, see stof pair --help";
@@ -94,7 +95,11 @@ std::string no_frame_text(client::Receiver& receiver, const ReceiveOptions& opti
          (heard ? "; " + summary_line(receiver.statistics()) : "");
 }
 
-std::string ended_text(client::Receiver& receiver, const ReceiveOptions& options) {
+std::string ended_text(client::Receiver& receiver, const ReceiveOptions& options,
+                       wire::ClockState last) {
+  if (last == wire::ClockState::kRecorded) {
+    return ": a recording was played, which is over";
+  }
   const client::LinkState link = receiver.link();
   if (receiver.subscription() == client::Subscription::State::kNoKey || receiver.other_tags()) {
     return silence_text(receiver, options.device);
@@ -121,17 +126,33 @@ void tell_port(const ReceiveOptions& options, const client::Receiver& receiver) 
   }
 }
 
-void add_key_flags(CLI::App& command, ReceiveOptions& options) {
-  command.add_flag("--signed", options.signed_streams,
-                   "Subscribe with your key of the sensor, and take only what it signs for "
-                   "this program: nobody else can send a frame");
-  command.add_option(
+void add_key_flags(CLI::App& command, ReceiveOptions& options, KeyUse use) {
+  const bool page = use == KeyUse::kPage;
+  CLI::Option* const is_signed =
+      command.add_flag("--signed", options.signed_streams,
+                       "Subscribe with your key of the sensor, and take only what it signs for "
+                       "this program: nobody else can send a frame");
+  CLI::Option* const keys = command.add_option(
       "--keys", options.keys,
-      "File of keys, of --signed and of what the page of stof view changes; none: the usual "
-      "one, as of stof pair");
+      page ? "File of keys, of --signed and of what the page changes; none: the usual one, as of "
+             "stof pair"
+           : "File of keys, of --signed; none: the usual one, as of stof pair");
   add_device_flag(command, options.device);
-  command.add_option("--key", options.key,
-                     "8 digits, of your key of the sensor, of --signed: only it is believed");
+  CLI::Option* const key = command.add_option(
+      "--key", options.key,
+      page ? "8 digits, of your key of the sensor, of --signed and of what the page changes: only "
+             "it counts"
+           : "8 digits, of your key of the sensor, of --signed: only it is believed");
+  key->check(CLI::Validator(
+      [](const std::string& text) {
+        static_cast<void>(key_id_of(text));
+        return std::string();
+      },
+      ""));
+  if (!page) {  // without it they would do nothing
+    keys->needs(is_signed);
+    key->needs(is_signed);
+  }
 }
 
 void add_place_flags(CLI::App& command, ReceiveOptions& options) {
@@ -143,7 +164,7 @@ void add_place_flags(CLI::App& command, ReceiveOptions& options) {
                      "File that gets the number of the opened port");
 }
 
-void add_subscription_flags(CLI::App& command, ReceiveOptions& options) {
+void add_subscription_flags(CLI::App& command, ReceiveOptions& options, KeyUse use) {
   command
       .add_option(
           "--timeout", options.timeout_s,
@@ -151,18 +172,31 @@ void add_subscription_flags(CLI::App& command, ReceiveOptions& options) {
           "a packet)")
       ->check(CLI::Range(0.01, 1e6))
       ->capture_default_str();
-  add_key_flags(command, options);
+  add_key_flags(command, options, use);
 }
 
 void add_reading_flags(CLI::App& command, ReceiveOptions& options, bool& json) {
-  command.add_option("SENSOR", options.sensor, kSensorOrFile)->required();
+  command.add_option("SENSOR", options.sensor, kSensorOrFile)->required()->check(not_empty());
   add_json_flag(command, json);
   add_subscription_flags(command, options);
 }
 
-void add_receive_flags(CLI::App& command, ReceiveOptions& options) {
+void add_receive_flags(CLI::App& command, ReceiveOptions& options, KeyUse use) {
   add_place_flags(command, options);
-  add_subscription_flags(command, options);
+  add_subscription_flags(command, options, use);
+}
+
+void judge_reading_flags(const CLI::App& command, const std::string& sensor) {
+  if (!is_recorded(sensor)) {
+    return;
+  }
+  for (const char* const name : {"--seconds", "--signed", "--keys", "--key", "--device"}) {
+    const CLI::Option* const flag = command.get_option_no_throw(name);
+    if (flag != nullptr && flag->count() != 0) {
+      throw Failure(Exit::kBadInput, std::string(name) + ": is for a sensor, " + sensor +
+                                         " is a file: all of it is read");
+    }
+  }
 }
 
 void judge_receive_options(const ReceiveOptions& options) {

@@ -27,16 +27,23 @@ struct ReceiveOptions {
   client::ReassemblerOptions reassembler{};
 };
 
+// What keys are for beside signed streams.
+enum class KeyUse : std::uint8_t { kSignedAlone, kPage };
 // With which key, and whom to believe.
-void add_key_flags(CLI::App& command, ReceiveOptions& options);
+void add_key_flags(CLI::App& command, ReceiveOptions& options, KeyUse use = KeyUse::kSignedAlone);
 // Where to listen.
 void add_place_flags(CLI::App& command, ReceiveOptions& options);
 // How long to wait, and with which key: of commands that always subscribe.
-void add_subscription_flags(CLI::App& command, ReceiveOptions& options);
+void add_subscription_flags(CLI::App& command, ReceiveOptions& options,
+                            KeyUse use = KeyUse::kSignedAlone);
 // SENSOR, which may be a recording, --json, and how it is subscribed: of commands that read.
 void add_reading_flags(CLI::App& command, ReceiveOptions& options, bool& json);
 // All of them but the sensor.
-void add_receive_flags(CLI::App& command, ReceiveOptions& options);
+void add_receive_flags(CLI::App& command, ReceiveOptions& options,
+                       KeyUse use = KeyUse::kSignedAlone);
+// Where `sensor` is a recording, of which all is read: throws Failure where the command line has a
+// flag that means a sensor.
+void judge_reading_flags(const CLI::App& command, const std::string& sensor);
 // Throws Failure where they contradict each other.
 void judge_receive_options(const ReceiveOptions& options);
 
@@ -44,6 +51,10 @@ void judge_receive_options(const ReceiveOptions& options);
 // for any. Throws Failure.
 client::Receiver open_receiver(ReceiveOptions& options, const wire::RawRequest& raw = {});
 void tell_port(const ReceiveOptions& options, const client::Receiver& receiver);
+
+// Of whom a sensor takes how many (docs/WIRE.md, "Subscription").
+inline constexpr const char* kPlacesText =
+    "four, and three of one computer; a paired one keeps one of the four for who has a key of it";
 
 // "UDP 192.168.1.20:7560".
 std::string place_of(const client::Receiver& receiver);
@@ -54,7 +65,9 @@ std::string absence_text(client::Receiver& receiver, const ReceiveOptions& optio
 // Why no frame came at all: "packets came, but no frame: ...".
 std::string no_frame_text(client::Receiver& receiver, const ReceiveOptions& options);
 // Why no more frames came, after some: ": its health comes, ..." or ", last health 2.1 s ago: ...".
-std::string ended_text(client::Receiver& receiver, const ReceiveOptions& options);
+// last: the clock of the last frame.
+std::string ended_text(client::Receiver& receiver, const ReceiveOptions& options,
+                       wire::ClockState last = wire::ClockState::kMonotonic);
 // The line that says whose frames these are. A signature proves it, so that from now on it is the
 // one that is meant there.
 std::string first_frame_line(const ReceiveOptions& options, const client::Receiver& receiver,

@@ -14,6 +14,11 @@ void stop_on_signals() noexcept {
   action.sa_handler = [](int /*signal*/) { g_stop = 1; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  // The terminal was closed. nohup has it ignored, and goes on.
+  struct sigaction former{};
+  if (sigaction(SIGHUP, nullptr, &former) == 0 && former.sa_handler != SIG_IGN) {
+    sigaction(SIGHUP, &action, nullptr);
+  }
 }
 
 bool asked_to_stop() noexcept { return g_stop != 0; }

@@ -64,6 +64,8 @@ class Reassembler {
   // Of the sensor's trigger, as it tells and frames come (FramePace), where it is signed as it
   // tells; 0: not known.
   Duration period() const;
+  // Of the current session; none: nothing was heard.
+  const std::optional<wire::Origin>& origin() const noexcept { return session_.current(); }
   // The newest of the current session.
   const std::optional<wire::CalibrationPacket>& calibration() const noexcept {
     return messages_.calibration();

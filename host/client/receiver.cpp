@@ -229,6 +229,10 @@ const Statistics& Receiver::statistics() const noexcept {
   return parts_->statistics;
 }
 
+const std::optional<wire::Origin>& Receiver::origin() const noexcept {
+  return parts_->reassembler.origin();
+}
+
 const std::optional<wire::HealthReport>& Receiver::health() const noexcept {
   return parts_->reassembler.health();
 }

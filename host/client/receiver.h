@@ -63,6 +63,9 @@ class Receiver {
   // says.
   bool keep(FramePixels& pixels) noexcept;
 
+  // Whose health and events these are: after a restart the new session, also before its first
+  // frame. None: nothing came yet.
+  const std::optional<wire::Origin>& origin() const noexcept;
   // The newest of the session, as far as next() has read; absent until the first one arrived.
   const std::optional<wire::HealthReport>& health() const noexcept;
   const std::optional<wire::CalibrationPacket>& calibration() const noexcept;

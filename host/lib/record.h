@@ -30,14 +30,16 @@ class Record {
 
   void take(const client::Frame& frame, const std::string& place) { session_->take(frame, place); }
   // What comes before the first frame waits for its session.
-  void take(const wire::EventReport& event) {
+  // from: as SessionRecording says.
+  void take(const wire::EventReport& event, const std::optional<wire::Origin>& from) {
     if (session_->begun()) {
-      session_->take(event);
+      session_->take(event, from);
     }
   }
-  void take(const std::optional<wire::HealthReport>& health) {
+  void take(const std::optional<wire::HealthReport>& health,
+            const std::optional<wire::Origin>& from) {
     if (session_->begun()) {
-      session_->take(health);
+      session_->take(health, from);
     }
   }
   stof_recorded state() const;

@@ -64,7 +64,7 @@ void stof_sensor::take_beside() {
       return;
     }
     if (const std::scoped_lock lock(record_mutex); record) {
-      record->take(*event);
+      record->take(*event, receiver ? receiver->origin() : std::nullopt);
     }
     if (events.size() == kMostEvents) {
       events.pop_front();
@@ -82,7 +82,7 @@ stof_status stof_sensor::receive_live(client::Duration timeout) {
       record->take(*frame, receiver->place());
     }
     if (record) {
-      record->take(receiver->health());
+      record->take(receiver->health(), receiver->origin());
     }
   }
   take_beside();

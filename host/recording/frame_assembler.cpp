@@ -54,10 +54,15 @@ client::Frame RecordedFrame::whole_view() const {
 }
 
 std::optional<wire::HealthReport> health_at(const Sights& sights, std::uint64_t log_time) {
+  std::uint64_t began = 0;
+  for (const std::uint64_t start : sights.starts) {
+    began = start <= log_time ? std::max(began, start) : began;
+  }
   for (std::size_t i = sights.health.size(); i > 0; --i) {
     const auto& [said, health] = sights.health[i - 1];
     if (said <= log_time) {
-      return log_time - said <= kHealthHoldsNs ? std::optional(health) : std::nullopt;
+      const bool holds = said >= began && log_time - said <= kHealthHoldsNs;
+      return holds ? std::optional(health) : std::nullopt;
     }
   }
   return std::nullopt;
@@ -111,6 +116,11 @@ std::optional<RecordedFrame> FrameAssembler::take(Topic topic, const mcap::Messa
 }
 
 void FrameAssembler::take_packet(Topic topic, const mcap::Message& message, const Packet& packet) {
+  if (!origin_ || origin_->session_id != packet.origin.session_id ||
+      origin_->device_id != packet.origin.device_id) {
+    sights_.starts.push_back(message.log_time);
+  }
+  origin_ = packet.origin;
   if (topic == Topic::kCalibration) {
     if (const auto calibration = wire::read_calibration_packet(packet.payload)) {
       calibration_ = *calibration;
@@ -119,10 +129,12 @@ void FrameAssembler::take_packet(Topic topic, const mcap::Message& message, cons
   } else if (topic == Topic::kHealth) {
     if (const auto health = wire::decode_health_report(packet.payload)) {
       sights_.health.emplace_back(message.log_time, *health);
+      sights_.health_sessions.push_back(packet.origin.session_id);
     }
   } else if (topic == Topic::kEvent) {
     if (const auto event = wire::decode_event_report(packet.payload)) {
       sights_.events.emplace_back(message.log_time, *event);
+      sights_.event_sessions.push_back(packet.origin.session_id);
     }
   } else {
     frame_->log_time = message.log_time;

@@ -35,6 +35,7 @@ class FrameAssembler {
   std::optional<RecordedFrame> frame_;  // that is being put together
   std::optional<wire::CalibrationPacket> calibration_;
   ToldLenses lenses_;
+  std::optional<wire::Origin> origin_;  // of the newest message
   Sights sights_;
   std::uint64_t damaged_ = 0;
 };

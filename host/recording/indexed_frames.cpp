@@ -78,7 +78,27 @@ void IndexedFrames::read_beside() {
     }
   }
   events_ = all.sights().events;
+  starts_ = all.sights().starts;
+  std::ranges::sort(starts_);
   reader_.choose({});
+}
+
+std::vector<std::uint64_t> IndexedFrames::frame_times() {
+  std::vector<std::uint64_t> all;
+  for (const auto& [id, topic] : topics_) {
+    if (topic == Topic::kFrameInfo) {
+      const std::vector<std::uint64_t> times = reader_.times(id);
+      all.insert(all.end(), times.begin(), times.end());
+    }
+  }
+  std::ranges::sort(all);
+  return all;
+}
+
+std::chrono::nanoseconds IndexedFrames::period(std::uint64_t log_time) const {
+  const auto after = calibrations_.upper_bound(log_time);
+  return std::chrono::nanoseconds(
+      after == calibrations_.begin() ? 0 : std::prev(after)->second.period_ns);
 }
 
 void IndexedFrames::seek(std::uint64_t log_time) {

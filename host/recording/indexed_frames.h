@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <expected>
 #include <filesystem>
@@ -34,6 +35,12 @@ class IndexedFrames {
   const std::vector<std::pair<std::uint64_t, wire::EventReport>>& events() const noexcept {
     return events_;
   }
+  // Log times of all frames, in order; only the index is read.
+  std::vector<std::uint64_t> frame_times();
+  // Log times from which on the sensor's starts are known, in order, the first one among them.
+  const std::vector<std::uint64_t>& starts() const noexcept { return starts_; }
+  // That the sensor told until that log time; 0: nobody knows.
+  std::chrono::nanoseconds period(std::uint64_t log_time) const;
   // What the sensor had said of itself at that log time, of the last frame that was given or behind
   // what was sought; none: nobody knows.
   std::optional<wire::HealthReport> health(std::uint64_t log_time) const {
@@ -49,6 +56,7 @@ class IndexedFrames {
   std::map<std::uint16_t, Topic> topics_;                          // of the channels that are ours
   std::map<std::uint64_t, wire::CalibrationPacket> calibrations_;  // by log time
   std::vector<std::pair<std::uint64_t, wire::EventReport>> events_;
+  std::vector<std::uint64_t> starts_;
   FrameAssembler frames_;
   std::uint64_t from_ = 0;  // what is older is not shown
   std::uint64_t end_ns_ = 0;

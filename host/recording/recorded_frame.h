@@ -47,11 +47,16 @@ class RecordedFrame {
 struct Sights {                                                        // beside the frames
   std::vector<std::pair<std::uint64_t, wire::HealthReport>> health{};  // with log time
   std::vector<std::pair<std::uint64_t, wire::EventReport>> events{};
+  // In which session of the sensor each of them was said.
+  std::vector<std::uint32_t> health_sessions{};
+  std::vector<std::uint32_t> event_sessions{};
+  // Log times of what each start of the sensor said first.
+  std::vector<std::uint64_t> starts{};
 };
 
 // Health comes once a second: what is older says nothing of a time.
 constexpr std::uint64_t kHealthHoldsNs = 3'000'000'000;
-// What the sensor had said of itself at that log time; none: nobody knows.
+// What the sensor had said of itself at that log time, since its start; none: nobody knows.
 std::optional<wire::HealthReport> health_at(const Sights& sights, std::uint64_t log_time);
 
 }  // namespace stof::recording

@@ -18,7 +18,6 @@ void SessionRecording::take(const client::Frame& frame, const std::string& place
   if (!origin_ || origin_->session_id != frame.origin.session_id) {
     origin_ = frame.origin;
     calibration_.reset();
-    uptime_ms_.reset();
     raw_begun_ = false;
     put_sensor(frame, place, time);
   }
@@ -65,18 +64,22 @@ void SessionRecording::take(const client::RawExposure& exposure) {
   }
 }
 
-void SessionRecording::take(const wire::EventReport& event) {
+void SessionRecording::take(const wire::EventReport& event,
+                            const std::optional<wire::Origin>& from) {
   TopicMessages messages;
-  append_event(messages, *origin_, event, clock_.now());
+  append_event(messages, from.value_or(*origin_), event, clock_.now());
   recorder_.put(std::move(messages));
 }
 
-void SessionRecording::take(const std::optional<wire::HealthReport>& health) {
+void SessionRecording::take(const std::optional<wire::HealthReport>& health,
+                            const std::optional<wire::Origin>& from) {
   take_documents(false);
-  if (health && health->uptime_ms != uptime_ms_) {
+  const wire::Origin origin = from.value_or(*origin_);
+  if (health && (health->uptime_ms != uptime_ms_ || origin.session_id != health_session_)) {
     uptime_ms_ = health->uptime_ms;
+    health_session_ = origin.session_id;
     TopicMessages messages;
-    append_health(messages, *origin_, *health, clock_.now());
+    append_health(messages, origin, *health, clock_.now());
     recorder_.put(std::move(messages));
   }
 }

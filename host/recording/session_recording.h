@@ -32,9 +32,11 @@ class SessionRecording {
   // count.
   bool counts(const client::RawExposure& exposure);
   void take(const client::RawExposure& exposure);
-  // The two that follow: not before begun(), when nobody knows whose they are.
-  void take(const wire::EventReport& event);
-  void take(const std::optional<wire::HealthReport>& health);
+  // The two that follow: not before begun(). `from`: whose they are; after a restart they come
+  // before a frame does. None: of the session of the last frame.
+  void take(const wire::EventReport& event, const std::optional<wire::Origin>& from = {});
+  void take(const std::optional<wire::HealthReport>& health,
+            const std::optional<wire::Origin>& from = {});
   // Settings that are still asked for, at the end: waits for them.
   void finish() { take_documents(true); }
 
@@ -60,6 +62,7 @@ class SessionRecording {
   std::optional<wire::Origin> origin_;  // of the session that is recorded
   std::optional<wire::CalibrationPacket> calibration_;
   std::optional<std::uint64_t> uptime_ms_;  // of the health that was recorded last
+  std::uint32_t health_session_ = 0;        // likewise
   bool raw_begun_ = false;                  // in this session
   std::uint64_t exposures_ = 0;
   std::uint64_t lost_pictures_ = 0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -25,6 +26,14 @@ struct Status {
   std::string waiting{};      // why no frame comes, and what to do; empty: they come
 };
 std::string status_message(const Status& status);
+
+// Frames that never reached the user: nothing of them came, or they came too late.
+constexpr std::uint64_t late_frames(const client::Statistics& counts) noexcept {
+  return counts.frames_stale + counts.frames_old;
+}
+constexpr std::uint64_t lost_frames(const client::Statistics& counts) noexcept {
+  return counts.frames_lost + late_frames(counts);
+}
 
 // text: the line that is printed. at_ms: when it was heard of (Unix).
 std::string event_message(const wire::EventReport& event, const std::string& text,

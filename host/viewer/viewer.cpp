@@ -175,8 +175,8 @@ void Viewer::tell(const wire::EventReport& event, const std::string& text,
   parts_->wake->pages();
 }
 
-void Viewer::tell(const LinkEvent& event) {
-  parts_->broadcast->tell_event(event_message(event, wall_ms()));
+void Viewer::tell(const LinkEvent& event, std::optional<std::uint64_t> at_ms) {
+  parts_->broadcast->tell_event(event_message(event, at_ms.value_or(wall_ms())));
   parts_->wake->pages();
 }
 

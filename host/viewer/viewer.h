@@ -58,7 +58,7 @@ class Viewer {
   // at_ms: when it was heard of (Unix); none: now.
   void tell(const wire::EventReport& event, const std::string& text,
             std::optional<std::uint64_t> at_ms = std::nullopt);
-  void tell(const LinkEvent& event);
+  void tell(const LinkEvent& event, std::optional<std::uint64_t> at_ms = std::nullopt);
   // For any thread.
   void tell(Topic topic, std::string json);
 

@@ -99,7 +99,8 @@ void add_bridge(CLI::App& app, BridgeOptions& options) {
   command
       .add_option("SENSOR", options.sensor,
                   std::string(kSensorOrFile) + "; '-': listen for a sensor that sends here")
-      ->required();
+      ->required()
+      ->check(not_empty());
   command
       .add_option("--namespace", options.name_space,
                   "Of the topics and, with _ for /, of the frames: another one for each sensor")

@@ -361,10 +361,10 @@ void add_config(CLI::App& app, ConfigOptions& options) {
                "Ends with 0 (done), 1 (no answer, refused, or the output cannot be written) or 2 "
                "(bad input, or a setting that the sensor does not take).");
   command.add_option("WORDS", options.words,
-                     "SENSOR (serial number, name or HOST[:PORT]; none with --serial), then get "
-                     "[PATH], set PATH=VALUE... "
-                     "or FILE, stage (the same), commit, revert, preset NAME (indoor, outdoor, "
-                     "near, fast or quality), save, reset, diff, schema");
+                     std::string("SENSOR (serial number, name or HOST[:PORT]; none with --serial), "
+                                 "then get [PATH], set PATH=VALUE... or FILE, stage (the same), "
+                                 "commit, revert, preset NAME (") +
+                         kPresetNames + "), save, reset, diff, schema");
   command.add_option("--document", options.document, "Of get: active, staged, saved or defaults")
       ->check(CLI::IsMember({"active", "staged", "saved", "defaults"}))
       ->capture_default_str();

@@ -13,6 +13,11 @@
 
 namespace stof::host {
 
+// For help and completion.
+inline constexpr const char* kConfigActions =
+    "get set stage commit revert preset save reset diff schema";
+inline constexpr const char* kPresetNames = "indoor outdoor near fast quality";
+
 struct ConfigOptions : ControlFlags {
   std::vector<std::string> words{};  // [SENSOR] ACTION [ARGUMENT...]; no SENSOR with a serial line
   std::string sensor{};              // of `words`, once config() has read it

@@ -39,10 +39,12 @@ std::string LinkTeller::look(const client::LinkState& link,
                              const std::optional<wire::HealthReport>& health, client::Time now) {
   changes_.clear();
   begun_ = begun_ || link.frame_age || link.health_age;
+  const std::string told_health =
+      health_ == Health::kTold ? last_health(link, health) : std::string();
   const bool told = std::exchange(restarted_, link.restarted);
   if (link.restarted && !told && begun_) {
     ++restarts_;
-    changes_.push_back({.text = "link: the sensor started again" + last_health(link, health),
+    changes_.push_back({.text = "link: the sensor started again" + told_health,
                         .severity = wire::Severity::kMinor,
                         .active = true});
   }
@@ -51,7 +53,7 @@ std::string LinkTeller::look(const client::LinkState& link,
     sends_since_ = now;
     if (link.silent && !std::exchange(silence_told_, true)) {
       told_silences_ = silences_;
-      changes_.push_back({.text = silence(link) + last_health(link, health),
+      changes_.push_back({.text = silence(link) + told_health,
                           .severity = wire::Severity::kMajor,
                           .active = true});
     }

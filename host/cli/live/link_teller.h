@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,10 @@ std::string age_text(const std::optional<client::Duration>& age);
 // is two lines, not two for each gap.
 class LinkTeller {
  public:
+  // The age of the last health, in lines that tell a begin.
+  enum class Health : std::uint8_t { kTold, kLeftOut };
+  explicit LinkTeller(Health health = Health::kTold) noexcept : health_(health) {}
+
   static constexpr client::Duration kSettled = std::chrono::seconds(1);
 
   struct Change {
@@ -37,6 +42,7 @@ class LinkTeller {
   unsigned restarts() const noexcept { return restarts_; }
 
  private:
+  Health health_;
   bool begun_ = false;  // something of it has come
   bool silent_ = false;
   bool silence_told_ = false;  // until "sends again"

@@ -34,6 +34,11 @@ void Reception::run(const std::function<bool()>& done, Awaited awaited) {
     if (!change.empty() && listener_.line) {
       listener_.line(change);
     }
+    for (const LinkTeller::Change& one : teller_.changes()) {
+      if (listener_.change) {
+        listener_.change(one);
+      }
+    }
     // What is not the sensor's does not count: whoever sends it must not keep us waiting.
     const client::Statistics& all = receiver_.statistics();
     const std::uint64_t heard_of = all.packets() - all.not_signed - all.forged;
@@ -64,6 +69,7 @@ void Reception::take(const Result<client::Frame>& frame) {
     }
   }
   ++frames_;
+  clock_ = frame->stamp.clock;
   if (listener_.frame) {
     listener_.frame(*frame);
   }
@@ -77,7 +83,7 @@ void Reception::fail() {
   throw Failure(
       Exit::kFailure,
       place() + (alone ? ": no frame came any more after " : ": the sensor fell silent after ") +
-          std::to_string(frames_) + " frames" + ended_text(receiver_, options_));
+          std::to_string(frames_) + " frames" + ended_text(receiver_, options_, clock_));
 }
 
 }  // namespace stof::host

@@ -17,7 +17,8 @@ class Reception {
   struct Listener {
     std::function<void(const client::Frame&)> frame{};  // its views end with the call
     std::function<void(const wire::EventReport&)> event{};
-    std::function<void(const std::string&)> line{};  // for people, at once
+    std::function<void(const std::string&)> line{};           // for people, at once
+    std::function<void(const LinkTeller::Change&)> change{};  // the link's, of `line` one by one
   };
 
   // Subscribes, or listens where no sensor is named. Throws Failure.
@@ -51,6 +52,7 @@ class Reception {
   LinkTeller teller_;
   std::optional<std::uint32_t> device_;
   std::uint64_t frames_ = 0;
+  wire::ClockState clock_ = wire::ClockState::kMonotonic;  // of the last frame
   bool silent_ = false;
 };
 

@@ -249,6 +249,7 @@ void add_export(CLI::App& app, ExportOptions& options) {
       "silent, records are damaged, lenses contradict each other, or a file cannot be written) or "
       "2 (bad input).");
   command.add_option("SENSOR", options.sensor, std::string(kSensorOrFile) + ", also a cut one")
+      ->check(not_empty())
       ->required();
   command.add_option("--to", options.to, "Folder, which is made where missing")->required();
   command.add_option("--as", options.as, "Format: csv, pcd, ply, png16 or tum")

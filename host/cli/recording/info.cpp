@@ -189,7 +189,10 @@ void add_info(CLI::App& app, InfoOptions& options) {
                "the recording are damaged, or the output cannot be written) or 2 (bad input, no "
                "recording).");
   add_reading_flags(command, options, options.json);
-  command.callback([&options] { info(options); });
+  command.callback([&options, &command] {
+    judge_reading_flags(command, options.sensor);
+    info(options);
+  });
 }
 
 }  // namespace stof::host

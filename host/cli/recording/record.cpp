@@ -82,6 +82,7 @@ class Recording {
   std::uint64_t dropped() const { return session_.dropped(); }
   // Exposures of which a camera gave nothing: they are recorded as they are.
   std::uint64_t without_a_camera() const { return without_a_camera_; }
+  wire::ClockState clock() const { return clock_; }  // of the last frame
   // Less than was asked for.
   bool short_of() const {
     return silent_ || (options_.frames != 0 && counted() < options_.frames && !asked_to_stop());
@@ -137,6 +138,7 @@ class Recording {
         say(kReplayLine);
       }
     }
+    clock_ = frame->stamp.clock;
     session_.take(*frame, receiver_.place());
   }
 
@@ -165,9 +167,9 @@ class Recording {
     }
     while (const std::optional<wire::EventReport> event = receiver_.take_event()) {
       say(event_line(*event));
-      session_.take(*event);
+      session_.take(*event, receiver_.origin());
     }
-    session_.take(receiver_.health());
+    session_.take(receiver_.health(), receiver_.origin());
   }
 
   const RecordOptions& options_;
@@ -178,6 +180,7 @@ class Recording {
   client::Time began_;
   client::Time counting_since_;
   std::uint64_t without_a_camera_ = 0;
+  wire::ClockState clock_ = wire::ClockState::kMonotonic;
   bool silent_ = false;
 };
 
@@ -223,7 +226,7 @@ void judge(const RecordOptions& options, client::Receiver& receiver, const Recor
   if (session.short_of()) {
     throw Failure(Exit::kFailure, place + ": the stream ended after " +
                                       std::to_string(session.frames()) + " frames" +
-                                      ended_text(receiver, options));
+                                      ended_text(receiver, options, session.clock()));
   }
   if (options.raw) {
     const client::RawStatistics& raw = receiver.raw_statistics();
@@ -326,7 +329,8 @@ void add_record(CLI::App& app, RecordOptions& options, const char* program) {
   command
       .add_option("SENSOR", options.sensor,
                   std::string(kSensorOnly) + "; '-': listen for a sensor that sends here")
-      ->required();
+      ->required()
+      ->check(not_empty());
   command.add_option("FILE", options.file, "The recording, by custom NAME.mcap")->required();
   command.add_option("--frames", options.frames, "End after so many frames; 0: when interrupted")
       ->capture_default_str();
@@ -347,6 +351,11 @@ void add_record(CLI::App& app, RecordOptions& options, const char* program) {
       options.sensor.clear();
     }
     judge_receive_options(options);
+    if (options.file == "-") {
+      throw Failure(Exit::kBadInput,
+                    "FILE -: a recording is not written to stdout: give the name of a file, ./- "
+                    "for one that is called so");
+    }
     if (options.raw && options.sensor.empty()) {
       throw Failure(Exit::kBadInput, "--raw: takes a SENSOR to subscribe at");
     }

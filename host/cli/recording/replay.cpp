@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <deque>
 #include <optional>
 #include <random>
+#include <variant>
 
 #include <nlohmann/json.hpp>
 
@@ -25,6 +27,8 @@ using recording::Time;
 
 constexpr std::chrono::milliseconds kServePart{50};
 constexpr std::chrono::seconds kHealthPeriod{1};
+constexpr std::uint64_t kHealthHoldsNs = 1'500'000'000;  // the next one is due earlier
+constexpr std::uint64_t kMostPauseNs = 10'000'000'000;   // between two sessions
 constexpr std::chrono::seconds kCalibrationPeriod{1};
 // Datagrams that go out at once, and the least time between two such bursts.
 constexpr std::size_t kBurst = 8;
@@ -39,6 +43,67 @@ std::uint32_t session_other_than(std::uint32_t recorded) {
   return session;
 }
 
+// What the sensor said beside its frames.
+struct Beside {
+  std::uint64_t log_time = 0;
+  std::uint32_t session = 0;
+  std::variant<wire::HealthReport, wire::EventReport> said{};
+};
+
+// In the order in which it was said.
+class BesideQueue {
+ public:
+  // What was read since the last call.
+  void collect(const recording::Sights& sights) {
+    while (health_ < sights.health.size() || events_ < sights.events.size()) {
+      const bool health = health_ < sights.health.size() &&
+                          (events_ == sights.events.size() ||
+                           sights.health[health_].first < sights.events[events_].first);
+      if (health) {
+        const auto& [log_time, report] = sights.health[health_];
+        waiting_.push_back({log_time, sights.health_sessions[health_++], report});
+      } else {
+        const auto& [log_time, report] = sights.events[events_];
+        waiting_.push_back({log_time, sights.event_sessions[events_++], report});
+      }
+    }
+  }
+
+  const Beside* first() const { return waiting_.empty() ? nullptr : &waiting_.front(); }
+  void pop() { waiting_.pop_front(); }
+  // How many of them are of the session that ends, in which this health was the last one. Where the
+  // uptime falls the sensor has started again, whatever session is named there, and an event of
+  // that moment is of that start.
+  std::size_t of_session(std::uint32_t session, std::optional<wire::HealthReport> health) const {
+    constexpr std::uint64_t kMomentNs = 100'000'000;
+    for (std::size_t i = 0; i < waiting_.size(); ++i) {
+      const auto* const report = std::get_if<wire::HealthReport>(&waiting_[i].said);
+      if (waiting_[i].session != session) {
+        return i;
+      }
+      if (report != nullptr && health && report->uptime_ms < health->uptime_ms) {
+        while (i > 0 && waiting_[i].log_time - waiting_[i - 1].log_time < kMomentNs) {
+          --i;
+        }
+        return i;
+      }
+      health = report != nullptr ? *report : health;
+    }
+    return waiting_.size();
+  }
+  // A session of which there is no frame is not played.
+  void forget_all_but(std::uint32_t one, std::uint32_t other) {
+    std::erase_if(waiting_, [=](const Beside& beside) {
+      return beside.session != one && beside.session != other;
+    });
+  }
+
+ private:
+  std::deque<Beside> waiting_;
+  std::size_t health_ = 0;  // collected
+  std::size_t events_ = 0;
+};
+
 // One recording on its way to subscribers, as often as it is played.
 class Player {
  public:
@@ -49,14 +114,17 @@ class Player {
   void play(recording::FrameReader&& reader) {
     reader_.emplace(std::move(reader));
     packets_.reset();
-    told_health_ = told_events_ = 0;
-    first_log_time_.reset();
+    beside_ = {};
     while (!over()) {
       const std::optional<recording::RecordedFrame> frame = reader_->next();
+      beside_.collect(reader_->sights());
       if (!frame) {
         break;
       }
       take(*frame);
+    }
+    if (packets_) {
+      tell_beside(beside_.of_session(recorded_.session_id, health_));
     }
     damaged_ = reader_->damaged();
     ++passes_;
@@ -66,14 +134,22 @@ class Player {
   bool over() const { return given_up_ || asked_to_stop(); }
   bool given_up() const { return given_up_; }
   std::uint64_t frames() const { return frames_; }
+  std::uint64_t healths() const { return healths_; }
+  std::uint64_t events() const { return events_; }
   std::uint64_t not_whole() const { return not_whole_; }
   std::uint64_t passes() const { return passes_; }
   std::uint64_t damaged() const { return damaged_; }
 
  private:
   void take(const recording::RecordedFrame& frame) {
-    if (!packets_ || recorded_.session_id != frame.origin.session_id) {
-      begin_session(frame);
+    if (!packets_) {
+      begin_session(frame, frame.log_time);
+      begin_after_subscription();
+    } else if (recorded_.session_id != frame.origin.session_id) {
+      end_session(frame);
+    }
+    while (!over() && beside_.first() != nullptr && beside_.first()->log_time < frame.log_time) {
+      tell_beside(1);
     }
     wait_for(frame.log_time);
     if (over()) {
@@ -90,16 +166,30 @@ class Player {
   }
 
   // Stamps and numbers of each pass begin anew: so does the session, and it is never the sensor's.
-  void begin_session(const recording::RecordedFrame& frame) {
+  void begin_session(const recording::RecordedFrame& frame, std::uint64_t log_time) {
     recorded_ = frame.origin;
     const wire::Origin origin{.device_id = frame.origin.device_id,
                               .session_id = session_other_than(frame.origin.session_id)};
     packets_.emplace(origin);
     server_.set_origin(origin);
     calibration_due_ = {};
-    first_log_time_ = frame.log_time;
+    health_.reset();
+    first_log_time_ = played_until_ = log_time;
     began_ = Time::clock::now();
-    begin_after_subscription();
+  }
+
+  // The sensor has started again: what it had said before belongs to the session that ends. Two
+  // recordings in one file may lie days apart.
+  void end_session(const recording::RecordedFrame& frame) {
+    tell_beside(beside_.of_session(recorded_.session_id, health_));
+    beside_.forget_all_but(recorded_.session_id, frame.origin.session_id);
+    const std::uint64_t begin = beside_.first() != nullptr
+                                    ? std::min(beside_.first()->log_time, frame.log_time)
+                                    : frame.log_time;
+    if (begin > played_until_) {
+      wait_for(played_until_ + std::min(begin - played_until_, kMostPauseNs));
+    }
+    begin_session(frame, begin);
   }
 
   // Who subscribes sees it from its begin on.
@@ -125,33 +215,77 @@ class Player {
     }
   }
 
-  void wait_for(std::uint64_t log_time) {
+  Time due(std::uint64_t log_time) const {
     const double since_ns =
-        log_time > *first_log_time_ ? static_cast<double>(log_time - *first_log_time_) : 0;
-    const Time due =
-        began_ + std::chrono::duration_cast<Time::duration>(
-                     std::chrono::duration<double, std::nano>(since_ns / options_.rate));
-    Time now = Time::clock::now();
-    do {
-      serve_until(std::min(due, now + kServePart));
-      now = Time::clock::now();
-      send_health(now);
-    } while (now < due && !over());
+        log_time > first_log_time_ ? static_cast<double>(log_time - first_log_time_) : 0;
+    return began_ + std::chrono::duration_cast<Time::duration>(
+                        std::chrono::duration<double, std::nano>(since_ns / options_.rate));
   }
 
-  // What the sensor said of itself up to the frame that is read; the last health once a second.
-  void send_health(Time now) {
-    const recording::Sights& sights = reader_->sights();
-    if (told_health_ < sights.health.size() || now >= health_due_) {
-      told_health_ = sights.health.size();
-      health_due_ = now + kHealthPeriod;
-      if (!sights.health.empty()) {
-        send_one(packets_->health(sights.health.back().second));
+  void wait_for(std::uint64_t log_time) {
+    const Time time = due(log_time);
+    Time now = Time::clock::now();
+    do {
+      serve_until(std::min(time, now + kServePart));
+      now = Time::clock::now();
+      repeat_health(now);
+    } while (now < time && !over());
+    played_until_ = std::max(played_until_, log_time);
+  }
+
+  // The next ones of what the sensor said beside its frames, each when it said it.
+  void tell_beside(std::size_t count) {
+    for (; count > 0 && !over(); --count) {
+      const Beside beside = *beside_.first();
+      beside_.pop();
+      const auto* const health = std::get_if<wire::HealthReport>(&beside.said);
+      if (health != nullptr) {
+        keep_believable(*health, beside.log_time);
+      }
+      wait_for(beside.log_time);
+      if (over()) {
+        return;
+      }
+      if (health != nullptr) {
+        health_ = *health;
+        health_log_time_ = beside.log_time;
+        repeat_until_ =
+            Time::clock::now() + (due(beside.log_time + kHealthHoldsNs) - due(beside.log_time));
+        send_health();
+        ++healths_;
+      } else {
+        send_one(packets_->event(std::get<wire::EventReport>(beside.said)));
+        ++events_;
       }
     }
-    for (; told_events_ < sights.events.size(); ++told_events_) {
-      send_one(packets_->event(sights.events[told_events_].second));
+  }
+
+  // Clients believe an uptime that advances as their own clock, and up to 2 s more: where the
+  // sensor had said nothing for a while a faster replay has to wait.
+  void keep_believable(const wire::HealthReport& health, std::uint64_t log_time) {
+    constexpr std::chrono::milliseconds kAhead{1500};
+    constexpr std::uint64_t kNsPerMs = 1'000'000;
+    if (!health_ || health.uptime_ms <= health_->uptime_ms) {
+      return;
     }
+    const std::uint64_t step_ms = health.uptime_ms - health_->uptime_ms;
+    const std::uint64_t recorded_ms =
+        (log_time - std::min(log_time, health_log_time_)) / kNsPerMs + kAhead.count();
+    const Time earliest =
+        health_sent_ + std::chrono::milliseconds(std::min(step_ms, recorded_ms)) - kAhead;
+    began_ += std::max(earliest - due(log_time), Time::duration(0));
+  }
+
+  // Once a second where the sensor did, too: a slower replay, and who subscribes later.
+  void repeat_health(Time now) {
+    if (health_ && now >= health_sent_ + kHealthPeriod && now < repeat_until_) {
+      send_health();
+    }
+  }
+
+  void send_health() {
+    health_sent_ = Time::clock::now();
+    send_one(packets_->health(*health_));
   }
 
   void send_beside(const recording::RecordedFrame& frame) {
@@ -183,17 +317,22 @@ class Player {
   recording::ReplayServer& server_;
   std::optional<recording::FrameReader> reader_;
   std::optional<recording::RecordedPackets> packets_;
+  BesideQueue beside_;
   wire::Origin recorded_{};
-  std::optional<std::uint64_t> first_log_time_;
+  std::uint64_t first_log_time_ = 0;  // is played at began_
+  std::uint64_t played_until_ = 0;    // log time
   Time began_;
-  Time health_due_;
+  std::optional<wire::HealthReport> health_;  // the last one that was sent
+  std::uint64_t health_log_time_ = 0;
+  Time health_sent_;
+  Time repeat_until_;
   Time calibration_due_;
   std::optional<wire::CalibrationPacket> calibration_;
   std::uint64_t begun_ = 0;  // subscriptions that have got it
-  std::size_t told_health_ = 0;
-  std::size_t told_events_ = 0;
   bool given_up_ = false;
   std::uint64_t frames_ = 0;
+  std::uint64_t healths_ = 0;  // without repetitions
+  std::uint64_t events_ = 0;
   std::uint64_t not_whole_ = 0;
   std::uint64_t passes_ = 0;
   std::uint64_t damaged_ = 0;
@@ -236,6 +375,8 @@ void replay(const ReplayOptions& options) {
     const nlohmann::ordered_json json{{"file", options.file.string()},
                                       {"frames", player.frames()},
                                       {"frames_not_whole", player.not_whole()},
+                                      {"health", player.healths()},
+                                      {"events", player.events()},
                                       {"passes", player.passes()},
                                       {"damaged", player.damaged()},
                                       {"subscriptions", server->begun()}};
@@ -261,7 +402,8 @@ void add_replay(CLI::App& app, ReplayOptions& options) {
   CLI::App& command = *app.add_subcommand(
       "replay", "Send a recording to clients, as a sensor would: stof view and libstof subscribe");
   command.footer(
-      "Example: stof replay hall.mcap --loop   and beside it: stof view 127.0.0.1\n"
+      "Example: stof replay hall.mcap --loop\n"
+      "In another terminal: stof view 127.0.0.1\n"
       "It begins when the first client subscribes. Stamps and numbers are those of the recording, "
       "the session is a new one, and every packet says that its clock is that of a recording.\n"
       "To compute depth again of raw pictures: stofd --replay FILE.\n"

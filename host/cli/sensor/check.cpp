@@ -167,7 +167,10 @@ void add_check(CLI::App& app, CheckOptions& options, const char* version) {
   command.add_option("--seconds", options.seconds, "How long it listens, from the first frame")
       ->check(CLI::Range(0.5, 3600.0))
       ->capture_default_str();
-  command.callback([&options] { check(options); });
+  command.callback([&options, &command] {
+    judge_reading_flags(command, options.sensor);
+    check(options);
+  });
 }
 
 }  // namespace stof::host

@@ -6,8 +6,10 @@
 #include "firmware/wire/messages/conditions.h"
 #include "firmware/wire/packet.h"
 #include "host/cli/live/link_teller.h"
+#include "host/cli/receive.h"
 #include "host/cli/recording/damage_text.h"
 #include "host/cli/sensor_text.h"
+#include "host/client/sensor_socket.h"
 #include "host/client/value_names.h"
 #include "host/text/printed.h"
 
@@ -27,6 +29,14 @@ bool has_condition(const CheckFacts& facts, wire::Condition condition) {
 bool is_played(const CheckFacts& facts) { return facts.clock == wire::ClockState::kRecorded; }
 std::string sensor_of(const CheckFacts& facts) {
   return facts.recorded || is_played(facts) ? "SENSOR" : facts.sensor;
+}
+
+// Of the sensor, where its place names one: "UDP 192.168.1.20:7800".
+std::string port_of(const CheckFacts& facts) {
+  const std::string& place = facts.stats.source;
+  const std::size_t colon = place.rfind(':');
+  return colon == std::string::npos ? std::to_string(client::kDefaultPort)
+                                    : place.substr(colon + 1);
 }
 
 // It sent, and sends no more.
@@ -68,8 +78,8 @@ Check check_reach(const CheckFacts& facts) {
     check.found = "its computer answers, and nobody listens there";
     check.fix = "start stofd, or name its port: stof discover lists it";
   } else if (facts.all_places_taken) {
-    check.found = "it has as many subscribers as it takes";
-    check.fix = "end another one: stof health of another program's machine says how many";
+    check.found = std::string("it has as many subscribers as it takes: ") + kPlacesText;
+    check.fix = "end another one: stof discover says how many there are";
   } else if (facts.comes == Comes::kHealthAlone) {
     check.found = "its health comes, and no frame";
     check.fix = "see health";
@@ -85,20 +95,25 @@ Check check_reach(const CheckFacts& facts) {
 
 Check check_firewall(const CheckFacts& facts) {
   Check check{.name = "firewall"};
+  const std::string port = port_of(facts);
   if (facts.sending_refused) {
     check.verdict = CheckVerdict::kFix;
     check.found = "this machine's own firewall refuses to send there";
-    check.fix = "allow UDP out to port 7560: nft add rule inet filter output udp dport 7560 accept";
+    check.fix = "allow UDP out to port " + port + ": nft add rule inet filter output udp dport " +
+                port + " accept";
+  } else if (facts.stats.figures.frames() == 0 && facts.nobody_listens) {
+    check.found = "requests pass, and an answer: that nobody listens there";
   } else if (facts.stats.figures.frames() == 0 && facts.comes == Comes::kHealthAlone) {
     check.found = "requests pass, and what the sensor sends: its health";
   } else if (facts.stats.figures.frames() == 0 && facts.subscribed) {
     check.verdict = CheckVerdict::kFix;
     check.found = "the sensor took the subscription, and its stream does not arrive";
-    check.fix = "allow UDP in from port 7560: nft add rule inet filter input udp sport 7560 accept";
+    check.fix = "allow UDP in from port " + port + ": nft add rule inet filter input udp sport " +
+                port + " accept";
   } else if (facts.stats.figures.frames() == 0) {
     check.verdict = CheckVerdict::kNote;
     check.found = "nothing arrives: it may be a firewall on the way";
-    check.fix = "allow UDP port 7560 both ways, and try again";
+    check.fix = "allow UDP port " + port + " both ways, and try again";
   } else if (facts.comes == Comes::kNothing) {
     check.found = "requests and stream passed, while it sent";
   } else if (!facts.network.loopback && !facts.beacon_heard) {
@@ -160,6 +175,11 @@ std::string loss_fix(const CheckFacts& facts) {
   if (counts.bad_crc + counts.truncated != 0) {
     return "packets are damaged on the way: another cable, another switch port";
   }
+  if (counts.frames_lost + counts.frames_incomplete == 0) {
+    return "no frame was lost on the way: the sensor, the network or this computer stood still; "
+           "stof health " +
+           sensor_of(facts) + " tells of the sensor, and radio may stand still for moments";
+  }
   return "stof config " + sensor_of(facts) +
          " set streams.parity=true mends single losses; a cable in place of radio, or fewer "
          "streams (streams.*=off)";
@@ -184,10 +204,11 @@ Check check_link(const CheckFacts& facts) {
   const double all = lost + static_cast<double>(counts.frames_complete);
   const double share = all > 0 ? lost / all : 1;
   constexpr double kTolerable = 0.01;  // of the frames
-  check.found =
-      printed("%.0f of %.0f frames lost or not whole", lost, all) +
-      (figures.rate_hz() ? printed(", %.1f frames a second", *figures.rate_hz()) : "") +
-      (facts.stats.silences != 0 ? printed(", %u times silent", facts.stats.silences) : "");
+  check.found = printed("%.0f of %.0f frames lost or not whole", lost, all) +
+                (figures.rate_hz() ? printed(", %.1f frames a second", *figures.rate_hz()) : "") +
+                (facts.stats.silences != 0 ? printed(", %u %s silent", facts.stats.silences,
+                                                     facts.stats.silences == 1 ? "time" : "times")
+                                           : "");
   if (lost > 0 || facts.stats.silences != 0) {
     check.verdict =
         share > kTolerable || facts.stats.silences != 0 ? CheckVerdict::kFix : CheckVerdict::kNote;

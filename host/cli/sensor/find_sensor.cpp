@@ -44,6 +44,20 @@ void refuse_folder(const std::string& called) {
   }
 }
 
+// What is there and is neither a file nor a folder.
+void refuse_special(const std::string& called) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(called, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_directory(status)) {
+    throw Failure(Exit::kBadInput,
+                  called + ": is a pipe, a socket or a device: give a sensor, or a recording");
+  }
+  if (std::filesystem::is_symlink(std::filesystem::symlink_status(called, error))) {
+    throw Failure(Exit::kBadInput,
+                  called + ": is a link to what is not there: give a sensor, or a recording");
+  }
+}
+
 void refuse_file(const std::string& called) {
   if (is_recorded(called)) {
     refuse_folder(called);
@@ -93,6 +107,7 @@ Way look_for(const std::string& called) {
   }
   if (found.empty() && !client::resolve_sensor(called)) {
     refuse_folder(called);
+    refuse_special(called);
     throw Failure(Exit::kBadInput,
                   called +
                       ": does not exist: no file, no sensor near and no host has that name: "

@@ -28,14 +28,18 @@ struct ActiveCondition {
   const wire::ConditionInfo* info = nullptr;  // none: of a newer sensor
 };
 
+std::string condition_name(std::uint8_t condition) {
+  const wire::ConditionInfo* const info = wire::info_of(static_cast<wire::Condition>(condition));
+  return info != nullptr ? info->name : "condition_" + std::to_string(condition);
+}
+
 std::vector<ActiveCondition> active_of(const wire::HealthReport& report) {
   constexpr std::uint8_t kBits = 32;
   std::vector<ActiveCondition> active;
   for (std::uint8_t k = 0; k < kBits; ++k) {
     if (((report.active >> k) & 1U) != 0) {
-      const wire::ConditionInfo* const info = wire::info_of(static_cast<wire::Condition>(k));
       active.push_back(
-          {.name = info != nullptr ? info->name : "condition_" + std::to_string(k), .info = info});
+          {.name = condition_name(k), .info = wire::info_of(static_cast<wire::Condition>(k))});
     }
   }
   return active;
@@ -58,19 +62,33 @@ void print(const HealthOptions& options, const HealthState& state) {
   }
 }
 
+void tell(const HealthOptions& options, const wire::EventReport& event) {
+  if (options.json) {
+    say_json_line(event_json(options.sensor, event));
+  } else {
+    say(event_line(event));
+  }
+}
+
 void receive_health(const HealthOptions& options) {
   std::optional<std::uint64_t> told;  // uptime of the health that was printed last
   client::Time began = client::Time::clock::now();
   Reception reception(options, {.event =
                                     [&](const wire::EventReport& event) {
-                                      if (!options.json && options.seconds > 0) {
-                                        say(event_line(event));
+                                      if (options.seconds > 0) {
+                                        tell(options, event);
                                       }
                                     },
                                 .line =
                                     [&](const std::string& line) {
                                       if (!options.json) {
                                         say(line);
+                                      }
+                                    },
+                                .change =
+                                    [&](const LinkTeller::Change& change) {
+                                      if (options.json && options.seconds > 0) {
+                                        say_json_line(change_json(options.sensor, change));
                                       }
                                     }});
   reception.run(
@@ -141,6 +159,10 @@ nlohmann::ordered_json health_json(const HealthState& state) {
   using Json = nlohmann::ordered_json;
   const wire::HealthReport& report = state.report;
   constexpr double kMilli = 1e-3;
+  // 0: no frame in the last second, or none that was measured.
+  const auto of_a_frame = [](std::uint32_t us) {
+    return us == 0 ? Json(nullptr) : Json(us * kMilli);
+  };
   Json conditions = Json::array();
   for (const ActiveCondition& one : active_of(report)) {
     Json entry{{"name", one.name}};
@@ -160,8 +182,8 @@ nlohmann::ordered_json health_json(const HealthState& state) {
           {"advice", reaction_text(report.reaction)},
           {"uptime_s", static_cast<double>(report.uptime_ms) * kMilli},
           {"rate_hz", report.rate_millihertz * kMilli},
-          {"latency_ms", report.latency_us * kMilli},
-          {"longest_latency_ms", report.longest_latency_us * kMilli},
+          {"latency_ms", of_a_frame(report.latency_us)},
+          {"longest_latency_ms", of_a_frame(report.longest_latency_us)},
           {"subscribers", report.subscribers},
           {"settings_revision", report.settings_revision},
           {"conditions", std::move(conditions)},
@@ -175,6 +197,25 @@ nlohmann::ordered_json health_json(const HealthState& state) {
             {"packets_sent", report.packets_sent}}}};
 }
 
+nlohmann::ordered_json event_json(const std::string& source, const wire::EventReport& event) {
+  return {{"source", source},
+          {"event",
+           {{"condition", condition_name(event.condition)},
+            {"active", event.active != 0},
+            {"severity", severity_name(event.severity)},
+            {"reaction", reaction_name(event.reaction)},
+            {"at_ns", event.at_ns},
+            {"count", event.count},
+            {"value", event.value},
+            {"text", event_line(event)}}}};
+}
+
+nlohmann::ordered_json change_json(const std::string& source, const LinkTeller::Change& change) {
+  const char* const begun = change.severity == wire::Severity::kMajor ? "silent" : "restarted";
+  const char* const state = change.active ? begun : "sends_again";
+  return {{"source", source}, {"link", {{"state", state}, {"text", change.text}}}};
+}
+
 void add_health(CLI::App& app, HealthOptions& options) {
   CLI::App& command = *app.add_subcommand(
       "health", "How a sensor is by its own word: conditions, what they mean, what to do");
@@ -185,10 +226,13 @@ void add_health(CLI::App& app, HealthOptions& options) {
   command
       .add_option("--seconds", options.seconds,
                   "Go on for so long: each new health, events, and silence at once; 0: the first "
-                  "alone. --json: one object a line")
+                  "alone. --json: one object a line, health, {event} or {link}")
       ->check(CLI::Range(0.0, 1e7))
       ->capture_default_str();
-  command.callback([&options] { health(options); });
+  command.callback([&options, &command] {
+    judge_reading_flags(command, options.sensor);
+    health(options);
+  });
 }
 
 }  // namespace stof::host

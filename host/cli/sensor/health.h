@@ -6,7 +6,9 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
+#include "host/cli/live/link_teller.h"
 #include "host/cli/receive.h"
 
 namespace stof::host {
@@ -31,6 +33,9 @@ HealthState health_of_file(const std::string& file, bool json);
 // means, what to do.
 std::string health_text(const HealthState& state);
 nlohmann::ordered_json health_json(const HealthState& state);
+// Beside it, where health goes on: {"source", "event": {...}} and {"source", "link": {...}}.
+nlohmann::ordered_json event_json(const std::string& source, const wire::EventReport& event);
+nlohmann::ordered_json change_json(const std::string& source, const LinkTeller::Change& change);
 
 // Adds `stof health`.
 void add_health(CLI::App& app, HealthOptions& options);

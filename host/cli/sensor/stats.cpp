@@ -1,5 +1,6 @@
 #include "host/cli/sensor/stats.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -10,6 +11,7 @@
 #include "host/cli/output.h"
 #include "host/cli/recording/damage_text.h"
 #include "host/cli/recording/reading_progress.h"
+#include "host/cli/recording/recorded_link.h"
 #include "host/cli/sensor/find_sensor.h"
 #include "host/cli/view/status_line.h"
 #include "host/text/printed.h"
@@ -100,22 +102,28 @@ StreamStats stats_of_file(const std::string& file, bool json) {
   StreamStats stats{.source = file};
   std::optional<wire::Origin> origin;
   std::uint32_t number = 0;
+  RecordedLink link;
   ReadingProgress progress(file, json);
   while (const std::optional<recording::RecordedFrame> frame = reader.next()) {
     stats.figures.take(frame->view(), static_cast<double>(frame->log_time) / 1e9);
     ++(frame->missing_packets == 0 ? stats.counts.frames_complete : stats.counts.frames_incomplete);
     stats.counts.packets_missing += frame->missing_packets;
     stats.counts.packets_ok += frame->packets - std::min(frame->packets, frame->missing_packets);
-    if (origin && origin->session_id == frame->origin.session_id) {
+    const bool starts = origin && origin->session_id != frame->origin.session_id;
+    link.frame(frame->log_time,
+               std::chrono::nanoseconds(frame->calibration ? frame->calibration->period_ns : 0),
+               starts);
+    if (origin && !starts) {
       stats.counts.frames_lost += frames_between(number, frame->stamp.number);
     } else {
-      stats.restarts += origin ? 1U : 0U;
+      stats.restarts += starts ? 1U : 0U;
       ++stats.counts.sessions;
     }
     origin = frame->origin;
     number = frame->stamp.number;
     progress.show(reader.position(), reader.size());
   }
+  stats.silences = link.silences();
   stats.damage = Damage{.records = reader.damaged(), .bytes = reader.damaged_bytes()};
   if (stats.figures.frames() == 0) {
     throw Failure(Exit::kFailure, file + ": holds no frame" + damage_behind(stats) +
@@ -148,8 +156,9 @@ std::string stats_text(const StreamStats& stats) {
   if (figures.coverage()) {
     line("coverage", printed("%.1f %% of the pixels have a depth", 100 * *figures.coverage()));
   }
-  line("link",
-       printed("%u times silent, %u restarts of the sensor", stats.silences, stats.restarts));
+  line("link", printed("%u %s silent, %u %s of the sensor", stats.silences,
+                       stats.silences == 1 ? "time" : "times", stats.restarts,
+                       stats.restarts == 1 ? "restart" : "restarts"));
   return text;
 }
 
@@ -188,7 +197,10 @@ void add_stats(CLI::App& app, StatsOptions& options) {
   command.add_option("--seconds", options.seconds, "How long, from the first frame")
       ->check(CLI::Range(0.1, 86400.0))
       ->capture_default_str();
-  command.callback([&options] { stats(options); });
+  command.callback([&options, &command] {
+    judge_reading_flags(command, options.sensor);
+    stats(options);
+  });
 }
 
 }  // namespace stof::host

@@ -76,8 +76,11 @@ void StreamFigures::take(const client::Frame& frame, double arrived_s) {
   if (const std::optional<double> latency = host::latency_ms(frame)) {
     latencies_ms_.push_back(*latency);
   }
-  if (frame.info) {
+  // 0: the sensor did not measure it.
+  if (frame.info && frame.info->latency_ns > 0) {
     sensor_latencies_ms_.push_back(static_cast<double>(frame.info->latency_ns) / kNsPerMs);
+  }
+  if (frame.info && frame.info->compute_ns > 0) {
     compute_ms_.push_back(static_cast<double>(frame.info->compute_ns) / kNsPerMs);
   }
   const std::int64_t stamp_ns = frame.stamp.exposure_middle_ns;

@@ -26,6 +26,9 @@
 #include "host/cli/stop_signal.h"
 #include "host/cli/view/frame_copy.h"
 #include "host/client/control/control_client.h"
+#include "host/recording/mcap/reader.h"
+#include "host/recording/mcap/storage.h"
+#include "host/recording/recording.h"
 #include "host/text/printed.h"
 #include "posix/named_file.h"
 
@@ -157,9 +160,58 @@ Files collect_sensor(const SupportReportOptions& options) {
   return files;
 }
 
+// What the sensor ran with when it was recorded; the last one of each name.
+void add_attachments(const std::string& file, Files& files) {
+  const auto source = value_or_fail(mcap::FileSource::open(file));
+  auto reader = mcap::StreamReader::open(source);
+  while (reader) {
+    const auto item = reader->next();
+    if (item && !*item) {
+      return;
+    }
+    const auto* const attachment = item ? std::get_if<mcap::Attachment>(&**item) : nullptr;
+    const bool settings =
+        attachment != nullptr && attachment->name == recording::kSettingsAttachment;
+    if (settings ||
+        (attachment != nullptr && attachment->name == recording::kCalibrationAttachment)) {
+      files[settings ? "settings_recorded.json" : "calibration.cal"] =
+          std::string(reinterpret_cast<const char*>(attachment->data.data()),  // NOLINT: bytes
+                      attachment->data.size());
+    }
+  }
+}
+
+void add_frame_and_events(const SupportReportOptions& options, Files& files) {
+  auto reader = value_or_fail(recording::FrameReader::open(options.sensor));
+  std::optional<recording::RecordedFrame> whole;
+  while (std::optional<recording::RecordedFrame> frame = reader.next()) {
+    if (!options.no_pictures && (frame->missing_packets == 0 || !whole)) {
+      whole = std::move(frame);
+    }
+  }
+  FrameCopy newest;
+  if (whole) {
+    newest.keep(whole->whole_view());
+  }
+  std::string events;
+  for (const auto& [log_time, event] : reader.sights().events) {
+    events += printed("%.3f s  ", static_cast<double>(log_time) / 1e9) + event_line(event) + "\n";
+  }
+  files["events.txt"] = events.empty() ? "none are in it\n" : events;
+  if (!newest.empty()) {
+    try {
+      add_pictures(newest, files);
+    } catch (const Failure& failure) {  // the temporary folder is full
+      files["frame.txt"] = std::string(failure.what()) + "\n";
+    }
+  }
+}
+
 Files collect_file(const SupportReportOptions& options) {
   Files files;
   add_verdict(check_file(options), options.sensor, files);
+  add_attachments(options.sensor, files);
+  add_frame_and_events(options, files);
   const recording::Summary summary = value_or_fail(recording::summarise(options.sensor));
   files["info.txt"] = info_text(options.sensor, summary);
   files["info.json"] = info_json(options.sensor, summary) + "\n";
@@ -214,7 +266,8 @@ constexpr const char* kAbout =
     "check, stats, health, info: for people (.txt) and programs (.json). settings_*.json, "
     "calibration.cal: as the sensor gave them. events.txt: what began or ended meanwhile. frame/: "
     "pictures of one frame, what the sensor saw (--no-pictures leaves them out). computer.json: "
-    "this computer's system.\n"
+    "this computer's system. Of a recording: what it holds of them, settings as it began "
+    "(settings_recorded.json), events with the time since 1970 at which they were recorded.\n"
     "There are no keys in it. Addresses of the network are.\n";
 
 void support_report(const SupportReportOptions& options) {
@@ -271,7 +324,10 @@ void add_support_report(CLI::App& app, SupportReportOptions& options, const char
       ->capture_default_str();
   command.add_flag("--no-pictures", options.no_pictures, "Nothing of what the sensor sees");
   command.add_flag("--force", options.force, "Replace FILE where it is there");
-  command.callback([&options] { support_report(options); });
+  command.callback([&options, &command] {
+    judge_reading_flags(command, options.sensor);
+    support_report(options);
+  });
 }
 
 }  // namespace stof::host

@@ -160,17 +160,16 @@ std::vector<std::string> PageCalibration::words(const Run& what) const {
     words.insert(words.end(), {"--start", (what.folder / kBefore).string()});
   }
   const ConfigOptions& config = options_.config;
-  words.insert(words.end(), {"--keys", config.keys});
   if (config.device) {
     words.insert(words.end(), {"--device", std::to_string(*config.device)});
-  }
-  if (!config.key.empty()) {
-    words.insert(words.end(), {"--key", config.key});
   }
   // A sensor that is paired gives its pictures to a key alone.
   const OwnRole own = own_role(what.sensor, config);
   if (own.role != "anybody" && own.role != "none") {
-    words.emplace_back("--signed");
+    words.insert(words.end(), {"--signed", "--keys", config.keys});
+    if (!config.key.empty()) {
+      words.insert(words.end(), {"--key", config.key});
+    }
   }
   return words;
 }

@@ -165,15 +165,16 @@ void PageRecording::take(const client::Frame& frame, const std::string& place) {
   }
 }
 
-void PageRecording::take(const wire::EventReport& event) {
+void PageRecording::take(const wire::EventReport& event, const std::optional<wire::Origin>& from) {
   if (on() && open_->session->begun()) {
-    open_->session->take(event);
+    open_->session->take(event, from);
   }
 }
 
-void PageRecording::take(const std::optional<wire::HealthReport>& health) {
+void PageRecording::take(const std::optional<wire::HealthReport>& health,
+                         const std::optional<wire::Origin>& from) {
   if (on() && open_->session->begun()) {
-    open_->session->take(health);
+    open_->session->take(health, from);
   }
 }
 

@@ -32,8 +32,10 @@ class PageRecording {
 
   // What comes meanwhile.
   void take(const client::Frame& frame, const std::string& place);
-  void take(const wire::EventReport& event);
-  void take(const std::optional<wire::HealthReport>& health);
+  // from: as SessionRecording says.
+  void take(const wire::EventReport& event, const std::optional<wire::Origin>& from);
+  void take(const std::optional<wire::HealthReport>& health,
+            const std::optional<wire::Origin>& from);
 
   // Also ends it where the disk takes no more.
   viewer::RecordingState state();

@@ -1,5 +1,6 @@
 #include "host/cli/view/page_view.h"
 
+#include <cerrno>
 #include <cstdio>
 #include <system_error>
 #include <utility>
@@ -60,6 +61,20 @@ void judge_origins(const PageOptions& options) {
   }
 }
 
+// Throws Failure. Nobody who did not name it needs the current folder.
+void judge_record_to(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error)) {
+    throw Failure(Exit::kBadInput, "--record-to: " + folder.string() +
+                                       ": is no folder: make it, or give another one");
+  }
+  if (folder != "." && access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw Failure(Exit::kBadInput, "--record-to: " + folder.string() + ": cannot be written (" +
+                                       std::generic_category().message(errno) +
+                                       "): give another folder");
+  }
+}
+
 // Throws Failure. live: of a sensor.
 void judge(const PageOptions& options, bool live) {
   if (options.lan_control && !options.lan) {
@@ -69,9 +84,8 @@ void judge(const PageOptions& options, bool live) {
   }
   judge_origins(options);
   std::error_code error;
-  if (live && !std::filesystem::is_directory(options.record_to, error)) {
-    throw Failure(Exit::kBadInput, "--record-to: " + options.record_to.string() +
-                                       ": is no folder: make it, or give another one");
+  if (live) {
+    judge_record_to(options.record_to);
   }
   if (!options.update_from.empty() && !std::filesystem::is_directory(options.update_from, error)) {
     throw Failure(Exit::kBadInput, "--update-from: " + options.update_from.string() +
@@ -151,20 +165,25 @@ void PageView::record(const client::Frame& frame, const client::Receiver& receiv
   }
 }
 
+void PageView::record(const wire::EventReport& event, const client::Receiver& receiver) {
+  if (recording_) {
+    recording_->take(event, receiver.origin());
+  }
+}
+
 void PageView::tell(const wire::EventReport& event, const std::string& text,
                     std::optional<std::uint64_t> at_ms) {
-  if (recording_) {
-    recording_->take(event);
-  }
   if (viewer_) {
     viewer_->tell(event, text, at_ms);
   }
 }
 
-void PageView::tell(const LinkTeller::Change& change) {
+void PageView::tell(const LinkTeller::Change& change, std::optional<std::uint64_t> at_ms) {
   if (viewer_) {
-    viewer_->tell(viewer::LinkEvent{
-        .text = change.text, .severity = change.severity, .active = change.active});
+    viewer_->tell(
+        viewer::LinkEvent{
+            .text = change.text, .severity = change.severity, .active = change.active},
+        at_ms);
   }
 }
 
@@ -209,7 +228,7 @@ void PageView::look(const ReceiveOptions& options, client::Receiver& receiver, c
     return;
   }
   serve_own(receiver);
-  recording_->take(receiver.health());
+  recording_->take(receiver.health(), receiver.origin());
   if (due(now)) {
     tell_status(options, receiver);
     viewer_->tell(viewer::Topic::kRecording, viewer::recording_message(recording_->state()));
@@ -235,18 +254,21 @@ void PageView::tell_status(const ReceiveOptions& options, client::Receiver& rece
   viewer_->tell(link_of(receiver, waiting));
 }
 
-void PageView::tell_recorded(const client::Statistics& statistics,
-                             const std::optional<wire::HealthReport>& health, client::Time now) {
-  if (due(now)) {
-    const client::LinkState link{.silent = false};
-    viewer_->tell({.statistics = statistics,
-                   .link = link,
-                   .health = health,
-                   .health_text = health ? health_line(*health) : "",
-                   .waiting = ""});
-    viewer_->tell(bridge::RobotFeed::Link{
-        .place = receive_->sensor, .health = health, .statistics = statistics, .recording = true});
+bool PageView::tell_recorded(const client::Statistics& statistics,
+                             const std::optional<wire::HealthReport>& health,
+                             const std::string& waiting, client::Time now) {
+  if (!due(now)) {
+    return false;
   }
+  const client::LinkState link{.silent = !waiting.empty()};
+  viewer_->tell({.statistics = statistics,
+                 .link = link,
+                 .health = health,
+                 .health_text = health ? health_line(*health) : "",
+                 .waiting = waiting});
+  viewer_->tell(bridge::RobotFeed::Link{
+      .place = receive_->sensor, .health = health, .statistics = statistics, .recording = true});
+  return true;
 }
 
 void PageView::tell(const viewer::PlaybackState& playback) {

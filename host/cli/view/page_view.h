@@ -45,17 +45,20 @@ class PageView {
 
   // times: when it came.
   void show(const client::Frame& frame, const bridge::RobotFeed::Times& times);
+  void record(const wire::EventReport& event, const client::Receiver& receiver);
   // at_ms: of a recording, when it was recorded (Unix); none: now.
   void tell(const wire::EventReport& event, const std::string& text,
             std::optional<std::uint64_t> at_ms = std::nullopt);
-  void tell(const LinkTeller::Change& change);
+  void tell(const LinkTeller::Change& change, std::optional<std::uint64_t> at_ms = std::nullopt);
   // Of a sensor, all of it behind each look at the receiver: what is recorded, what the page wants
   // done, and twice a second how things are.
   void look(const ReceiveOptions& options, client::Receiver& receiver, client::Time now);
   void record(const client::Frame& frame, const client::Receiver& receiver);
-  // Of a recording: how things are, and what the page wants done with it.
-  void tell_recorded(const client::Statistics& statistics,
-                     const std::optional<wire::HealthReport>& health, client::Time now);
+  // Of a recording, twice a second: how things are. waiting: why no frame is shown; empty: they
+  // are. False: it was not time.
+  bool tell_recorded(const client::Statistics& statistics,
+                     const std::optional<wire::HealthReport>& health, const std::string& waiting,
+                     client::Time now);
   // The next one that is told waits for nothing.
   void tell_at_once() { told_ = {}; }
   void tell(const viewer::PlaybackState& playback);

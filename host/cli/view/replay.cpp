@@ -2,22 +2,26 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <span>
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <variant>
 
 #include "host/cli/failure.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/stop_signal.h"
-#include "host/recording/indexed_frames.h"
-#include "host/recording/recording.h"
+#include "host/cli/view/recorded_source.h"
+#include "host/client/session/link_watch.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
 
-// A pause of the recording is not waited for longer than this.
-constexpr std::chrono::nanoseconds kMostPause = std::chrono::seconds(1);
+// What is played late is caught up with, so much of it at most.
+constexpr std::chrono::nanoseconds kMostDebt = std::chrono::seconds(1);
+// A pause of the recording is waited for; so much of it where nothing can be jumped over.
+constexpr std::chrono::nanoseconds kMostPause = std::chrono::hours(24);
+constexpr std::chrono::nanoseconds kMostFixedPause = std::chrono::seconds(10);
 
 // What makes no sense of a recording.
 void judge_replay(const ViewOptions& options) {
@@ -33,60 +37,6 @@ void judge_replay(const ViewOptions& options) {
     }
   }
 }
-
-// Where the frames come from: by the index, from any time on, or without one from the begin.
-class Source {
- public:
-  // Throws Failure.
-  explicit Source(const std::string& file) : file_(file) {
-    if (auto indexed = recording::IndexedFrames::open(file)) {
-      indexed_.emplace(std::move(*indexed));
-    } else {
-      begin_anew();
-    }
-  }
-
-  bool seekable() const { return indexed_.has_value(); }
-  // Without an index of the first frame that was read; the end is not known.
-  std::uint64_t begin_ns() const { return indexed_ ? indexed_->begin_ns() : first_ns_; }
-  std::uint64_t end_ns() const { return indexed_ ? indexed_->end_ns() : 0; }
-
-  void begin_anew() {
-    if (indexed_) {
-      indexed_->seek(0);
-    } else {
-      ordered_.emplace(value_or_fail(recording::FrameReader::open(file_)));
-    }
-  }
-  // Only where it is seekable.
-  void seek(std::uint64_t log_time) { indexed_->seek(log_time); }
-  std::optional<recording::RecordedFrame> next() {
-    if (indexed_) {
-      return indexed_->next();
-    }
-    std::optional<recording::RecordedFrame> frame = ordered_->next();
-    if (frame && first_ns_ == 0) {
-      first_ns_ = frame->log_time;
-    }
-    return frame;
-  }
-
-  // As far as is known now.
-  std::span<const std::pair<std::uint64_t, wire::EventReport>> events() const {
-    return indexed_ ? std::span(indexed_->events()) : std::span(ordered_->sights().events);
-  }
-  // Of the frame of that time, which was read last.
-  std::optional<wire::HealthReport> health(std::uint64_t log_time) const {
-    return indexed_ ? indexed_->health(log_time)
-                    : recording::health_at(ordered_->sights(), log_time);
-  }
-
- private:
-  std::string file_;
-  std::optional<recording::IndexedFrames> indexed_;
-  std::optional<recording::FrameReader> ordered_;
-  std::uint64_t first_ns_ = 0;
-};
 
 // Plays it until a signal comes, as the page wants it.
 class Player {
@@ -131,28 +81,39 @@ class Player {
   // Until the frame of that time is due: while it plays at its pace; while it stands never, but for
   // one that was sought.
   void wait_for(std::uint64_t log_time) {
-    if (before_ && log_time > *before_) {
-      due_ = std::max(due_, client::Time::clock::now() - kMostPause) +
-             std::min<std::chrono::nanoseconds>(std::chrono::nanoseconds(log_time - *before_),
-                                                kMostPause);
-    } else {
-      due_ = client::Time::clock::now();
-    }
+    client::Time looked = client::Time::clock::now();
+    next_ns_ = before_ ? log_time : 0;
+    due_ = before_ && log_time > *before_
+               ? std::max(due_, looked - kMostDebt) + pause_of(log_time - *before_)
+               : looked;
     while (!asked_to_stop()) {
       obey();
       if (sought_) {
         return;
       }
       const client::Time now = client::Time::clock::now();
+      due_ += playing_ ? client::Duration(0) : now - looked;
+      looked = now;
       if (std::exchange(shows_one_, false) || (playing_ && now >= due_)) {
         return;
-      }
-      if (!playing_) {
-        due_ = now;  // it goes on at once
       }
       tell(now);
       std::this_thread::sleep_for(playing_ ? std::min<client::Duration>(kLook, due_ - now) : kLook);
     }
+  }
+
+  std::chrono::nanoseconds pause_of(std::uint64_t ns) const {
+    const std::chrono::nanoseconds most = source_.seekable() ? kMostPause : kMostFixedPause;
+    return std::chrono::nanoseconds(std::min(ns, static_cast<std::uint64_t>(most.count())));
+  }
+
+  // The time of the recording that is played now: of the frame that is shown, or behind it, where
+  // no other one comes for longer than a sensor may be silent.
+  std::uint64_t place(client::Time now) const {
+    const std::chrono::nanoseconds left = std::max(due_ - now, client::Duration(0));
+    const auto left_ns = static_cast<std::uint64_t>(left.count());
+    const std::uint64_t at = next_ns_ - std::min(next_ns_, left_ns);
+    return at > at_ns_ && at - at_ns_ > silence_ns_ ? at : at_ns_;
   }
 
   // What the page wants.
@@ -186,24 +147,52 @@ class Player {
     ++(frame.missing_packets == 0 ? counts_.frames_complete : counts_.frames_incomplete);
     counts_.packets_missing += frame.missing_packets;
     page_.show(frame.view(), {.first_packet_ns = static_cast<std::int64_t>(frame.log_time)});
-    // An event is told in the first turn alone: the page keeps the list.
-    const auto events = source_.events();
-    for (; turns_ == 0 && events_ < events.size(); ++events_) {
-      const auto& [log_time, event] = events[events_];
-      page_.tell(event, event_line(event), log_time / kNsOfMs);
-    }
+    say_happenings();
     at_ns_ = frame.log_time;
+    next_ns_ = 0;
+    health_ = source_.health(at_ns_);  // now: behind the last frame the source begins anew
+    const std::chrono::nanoseconds period(frame.calibration ? frame.calibration->period_ns : 0);
+    silence_ns_ = static_cast<std::uint64_t>(
+        std::chrono::nanoseconds(client::silence_after(std::clamp(
+                                     period, std::chrono::nanoseconds(0),
+                                     std::chrono::nanoseconds(client::FramePace::kLongest))))
+            .count());
     tell_place();
     tell(client::Time::clock::now());
   }
 
-  void tell(client::Time now) { page_.tell_recorded(counts_, source_.health(at_ns_), now); }
+  // In the first turn alone: the page keeps the list.
+  void say_happenings() {
+    const std::vector<RecordedSource::Happening>& all = source_.happenings();
+    for (; turns_ == 0 && told_ < all.size(); ++told_) {
+      const std::uint64_t at_ms = all[told_].log_time / kNsOfMs;
+      if (const auto* const event = std::get_if<wire::EventReport>(&all[told_].what)) {
+        page_.tell(*event, event_line(*event), at_ms);
+      } else {
+        page_.tell(std::get<LinkTeller::Change>(all[told_].what), at_ms);
+      }
+    }
+  }
+
+  void tell(client::Time now) {
+    const std::uint64_t at = place(now);
+    if (at == at_ns_) {
+      page_.tell_recorded(counts_, health_, "", now);
+      return;
+    }
+    const double gap_s = static_cast<double>(next_ns_ - at_ns_) / 1e9;
+    if (page_.tell_recorded(counts_, source_.health(at),
+                            printed("the recording has nothing here for %.1f s", gap_s), now)) {
+      tell_place();
+    }
+  }
 
   void tell_place() {
     const std::uint64_t begin = source_.begin_ns();
+    const std::uint64_t at = place(client::Time::clock::now());
     page_.tell({.playing = playing_,
                 .seekable = source_.seekable(),
-                .at_ms = (std::max(at_ns_, begin) - begin) / kNsOfMs,
+                .at_ms = (std::max(at, begin) - begin) / kNsOfMs,
                 .length_ms = (std::max(source_.end_ns(), begin) - begin) / kNsOfMs,
                 .began_ms = begin / kNsOfMs});
   }
@@ -212,16 +201,19 @@ class Player {
 
   const ViewOptions& options_;
   PageView& page_;
-  Source source_;
+  RecordedSource source_;
   client::Statistics counts_{};
   std::optional<std::uint64_t> before_;  // log time of the frame before
   client::Time due_;
-  std::uint64_t at_ns_ = 0;
+  std::uint64_t at_ns_ = 0;       // log time of the frame that is shown
+  std::uint64_t next_ns_ = 0;     // of the one that waits behind it; 0: of none
+  std::uint64_t silence_ns_ = 0;  // behind the one that is shown nothing is missed for so long
+  std::optional<wire::HealthReport> health_;  // of that frame
   bool playing_ = true;
   bool sought_ = false;     // the frame that waits is not wanted
   bool shows_one_ = false;  // also while it stands
   bool shown_ = false;
-  std::size_t events_ = 0;  // told
+  std::size_t told_ = 0;  // happenings
   std::uint64_t turns_ = 0;
 };
 

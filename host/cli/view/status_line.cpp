@@ -7,6 +7,7 @@
 #include "host/cli/sensor_text.h"
 #include "host/evaluate/stereo/median.h"
 #include "host/text/printed.h"
+#include "host/viewer/status_message.h"
 
 namespace stof::host {
 namespace {
@@ -116,7 +117,7 @@ std::string StatusLine::line(client::Time now, const client::Statistics& statist
   }
   result += printed(", lost %llu packets %llu frames",
                     static_cast<unsigned long long>(statistics.packets_missing),
-                    static_cast<unsigned long long>(statistics.frames_lost));
+                    static_cast<unsigned long long>(viewer::lost_frames(statistics)));
   if (statistics.recovered != 0) {
     result += printed(", recovered %llu", static_cast<unsigned long long>(statistics.recovered));
   }

@@ -68,7 +68,7 @@ class View {
       say(health_line(*receiver_.health()));
     }
     if (!options_.headless.empty()) {
-      say("wrote " + std::to_string(written_) + " frames to " + options_.headless.string());
+      say(headless_line());
     }
     if (!options_.out.empty()) {
       say((whole_.empty() ? newest_ : whole_).write(options_.out, options_.scale));
@@ -83,7 +83,7 @@ class View {
     }
     if (frames_ < options_.frames || silent_) {
       throw Failure(Exit::kFailure, where + ": the stream ended after " + std::to_string(frames_) +
-                                        " frames" + ended_text(receiver_, options_));
+                                        " frames" + ended_text(receiver_, options_, clock_));
     }
   }
 
@@ -125,6 +125,7 @@ class View {
     while (const std::optional<wire::EventReport> event = receiver_.take_event()) {
       const std::string text = event_line(*event);
       say(text);
+      page_.record(*event, receiver_);
       page_.tell(*event, text);
     }
   }
@@ -157,7 +158,8 @@ class View {
     if (frames_ == 0) {
       say(first_frame_line(options_, receiver_, frame->origin.device_id));
     }
-    const bool replay = frame->stamp.clock == wire::ClockState::kRecorded;
+    clock_ = frame->stamp.clock;
+    const bool replay = clock_ == wire::ClockState::kRecorded;
     if (replay && !replay_) {
       say(kReplayLine);
     }
@@ -178,12 +180,33 @@ class View {
     streams_ = streams_line(*frame);
     FrameCopy& kept = frame->complete() ? whole_ : newest_;
     kept.keep(*frame);
-    // One that came while the one before was written is left out: the newest is written.
-    if (!options_.headless.empty() && kept.has_depth() && frame->last_packet >= written_at_) {
-      kept.write_depth(options_.headless, options_.scale);
-      ++written_;
-      written_at_ = client::Time::clock::now();
+    if (!options_.headless.empty() && kept.has_depth()) {
+      write_depth(kept, frame->last_packet);
     }
+  }
+
+  // One that had to wait for long is left out: the newer ones behind it are written.
+  void write_depth(const FrameCopy& kept, client::Time arrived) {
+    constexpr std::chrono::milliseconds kMostWait{
+        100};  // well below what is too old to be received
+    if (client::Time::clock::now() - arrived > kMostWait) {
+      ++left_out_;
+      return;
+    }
+    kept.write_depth(options_.headless, options_.scale);
+    ++written_;
+  }
+
+  std::string headless_line() const {
+    std::string line = "wrote " + std::to_string(written_) +
+                       (written_ == 1 ? " frame" : " frames") + " to " + options_.headless.string();
+    if (left_out_ != 0) {
+      line +=
+          ", " + std::to_string(left_out_) +
+          " left out: writing takes too long; stof record, and stof export of its file, leave out "
+          "none";
+    }
+    return line;
   }
 
   std::optional<DepthScore> score() const {
@@ -204,10 +227,11 @@ class View {
   bool replay_ = false;  // the newest frame is of a recording
   std::string streams_;  // of the newest frame
   std::uint64_t frames_ = 0;
-  std::uint64_t written_ = 0;  // frames of `headless`
-  client::Time written_at_{};  // when the last of them was there
-  std::uint64_t raw_ = 0;      // exposures with all raw pictures
+  std::uint64_t written_ = 0;   // frames of `headless`
+  std::uint64_t left_out_ = 0;  // frames with depth that `headless` had no time for
+  std::uint64_t raw_ = 0;       // exposures with all raw pictures
   client::Time raw_heard_{};
+  wire::ClockState clock_ = wire::ClockState::kMonotonic;  // of the last frame
   bool silent_ = false;
 };
 

@@ -13,7 +13,7 @@ struct ViewOptions : ReceiveOptions {
   std::uint64_t frames = 0;        // 0: until SIGINT or SIGTERM
   std::filesystem::path out;       // empty: no files
   std::filesystem::path truth;     // PFM, Z in metres, read when the first frame is there
-  std::filesystem::path headless;  // folder of PNG files of every frame; empty: none
+  std::filesystem::path headless;  // folder of PNG files of frames; empty: none
   PageOptions page;
   ColourScale scale;
   // Raw pictures to ask the sensor for: none, unless some are named. Written to `out`.

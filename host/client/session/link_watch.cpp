@@ -14,6 +14,10 @@ std::optional<Duration> age(const std::optional<Time>& at, Time now) noexcept {
 
 }  // namespace
 
+Duration silence_after(Duration period) noexcept {
+  return period > Duration(0) ? 3 * period + kSilenceBeyondPeriods : kUnknownSilence;
+}
+
 void LinkWatch::look(const Reassembler& reassembler, Time now) noexcept {
   const Statistics& statistics = reassembler.statistics();
   const SessionMessages& messages = reassembler.messages();
@@ -43,10 +47,8 @@ void LinkWatch::delivered(const Frame& frame) noexcept {
 }
 
 LinkState LinkWatch::state(Time now) const noexcept {
-  const Duration silence =
-      period_ > Duration(0) ? 3 * period_ + kSilenceBeyondPeriods : kUnknownSilence;
   const bool again = frame_at_ && restarted_at_ && *frame_at_ >= *restarted_at_;
-  return {.silent = now - heard_ > silence,
+  return {.silent = now - heard_ > silence_after(period_),
           .restarted = restarted_at_ && (now - *restarted_at_ < kRestartTold || !again),
           .forged_traffic = forged_at_ && now - *forged_at_ < kForgeryTold,
           .delayed = late_at_ && now - *late_at_ < kLateTold,

@@ -33,6 +33,9 @@ struct LinkState {
   std::optional<Duration> calibration_age{};
 };
 
+// No frame for so long is a silence. period: as Reassembler::period(); 0: not known.
+Duration silence_after(Duration period) noexcept;
+
 // Keeps what LinkState is made of.
 class LinkWatch {
  public:

@@ -21,6 +21,7 @@ class SessionTracker {
   // A session id that was never heard is a start of the sender. One that has ended comes back only
   // when the current one is silent: then the change was not a start but a stray packet.
   Verdict judge(const wire::Origin& origin, Time now);
+  const std::optional<wire::Origin>& current() const noexcept { return current_; }
 
  private:
   static constexpr std::size_t kRetired = 8;

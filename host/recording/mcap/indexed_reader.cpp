@@ -174,6 +174,18 @@ std::optional<std::uint64_t> IndexedReader::last_time(std::uint16_t channel) {
   return std::nullopt;
 }
 
+std::vector<std::uint64_t> IndexedReader::times(std::uint16_t channel) {
+  std::vector<std::uint64_t> all;
+  for (const ChunkIndex& chunk : index_.chunks) {
+    if (const std::optional<MessageIndex> messages = messages_of(chunk, channel)) {
+      for (const IndexEntry& entry : messages->entries) {
+        all.push_back(entry.log_time);
+      }
+    }
+  }
+  return all;
+}
+
 std::expected<std::optional<Message>, Problem> IndexedReader::next() {
   while (next_entry_ == entries_.size()) {
     entries_.clear();

@@ -28,6 +28,8 @@ class IndexedReader {
   void seek(std::uint64_t log_time);
   // Of the last message of a channel; none: it has none, or no index of it can be read.
   std::optional<std::uint64_t> last_time(std::uint16_t channel);
+  // Of all messages of a channel, by chunk; what has no index that can be read is left out.
+  std::vector<std::uint64_t> times(std::uint16_t channel);
   // The last message of a channel between both times, by the index: one chunk is unpacked. Any
   // number of times, beside next(); borrowed until the next call. None: there is none that can be
   // read.

@@ -70,6 +70,9 @@ std::expected<FileSink, Problem> FileSink::open(const std::filesystem::path& fil
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     return dataset::refuse(file, "is not a file", "give the name of a file");
   }
+  if (std::filesystem::is_symlink(std::filesystem::symlink_status(file, error))) {
+    return dataset::refuse(file, "is a link", remedy(ELOOP));
+  }
   if (existing == Existing::kRefuse) {
     auto created = posix::create_named_file(file.string());
     if (!created) {

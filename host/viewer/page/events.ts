@@ -28,17 +28,18 @@ export function showEvent(list: HTMLElement, event: SensorEvent): void {
   while (list.children.length > mostShown) list.lastElementChild!.remove();
 }
 
-// unknown: what is said where nothing is known.
-export function showHealth(line: HTMLElement, list: HTMLElement, health: Status["health"], old: boolean, unknown: string): void {
+// silence: why it is old; "": it is not. unknown: what is said where nothing is known.
+export function showHealth(line: HTMLElement, list: HTMLElement, health: Status["health"], silence: string, unknown: string): void {
   if (!health) {
     line.textContent = unknown;
     line.dataset.level = list.dataset.key = "";
     list.replaceChildren();
     return;
   }
+  const old = silence !== "";
   list.hidden = old;
   const text = health.text.replace(/^health: /, "").replace(/, active:[^;]*/, "");
-  line.textContent = old ? `Unknown: the sensor says nothing. The last that it said: ${text}` : text;
+  line.textContent = old ? `Unknown: ${silence}. The last that the sensor said: ${text}` : text;
   line.dataset.level = old ? "wait" : levelOf(health.severity);
   const key = JSON.stringify(health.active);
   if (list.dataset.key === key) return;

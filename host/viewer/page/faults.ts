@@ -71,7 +71,7 @@ export class FaultPanel {
       const end = make("button", "End", { type: "button" });
       end.setAttribute("aria-label", `End ${one.now} of ${devicesText[one.device] ?? one.device}`);
       end.addEventListener("click", () => void this.give(one.device, "none", 0));
-      item.append(make("span", `${devicesText[one.device] ?? one.device}: ${one.now}${one.edges ? `, ${one.edges} edges more` : ", until it is ended"}`), end);
+      item.append(make("span", `${devicesText[one.device] ?? one.device}: ${one.now}${one.edges ? `, ${one.edges} ${one.edges === 1 ? "edge" : "edges"} more` : ", until it is ended"}`), end);
       return item;
     }));
   }

@@ -29,6 +29,10 @@ function rangeError(field: HTMLInputElement): string {
   return Number(field.value) > 0 ? "" : "has to be more than 0 m";
 }
 
+function frames(count: number): string {
+  return `${count} ${count === 1 ? "frame" : "frames"}`;
+}
+
 const readEveryMs = 100; // faster than that nobody reads
 
 class Page {
@@ -370,16 +374,18 @@ class Page {
       this.loss.add(now, lost);
       find("rate-now").textContent = `${rate.toFixed(1)} /s`;
       find("latency-now").textContent = latency === null ? "–" : `${latency.toFixed(1)} ms`;
-      find("loss-now").textContent = `${bad} ${bad === 1 ? "frame" : "frames"}`;
+      find("loss-now").textContent = frames(this.loss.total());
       const sensor = status.health ? `sensor ${status.health.rate_hz.toFixed(1)}, ` : "";
       find("counts").textContent =
         `Frames a second: ${sensor}program ${rate.toFixed(1)}, page ${received.toFixed(1)}, drawn ${drawn.toFixed(1)}. ` +
-        `Packets missing ${status.packets_missing}, recovered ${status.recovered}.` +
+        `Since the start: lost ${frames(status.lost)}${status.late ? `, ${status.late} of them came too late` : ""}; ` +
+        `incomplete ${status.incomplete}; packets missing ${status.packets_missing}, recovered ${status.recovered}.` +
         (chosen("base") === "cloud" && this.cloudView && !this.paused ? ` Cloud: nearest of ${this.cloudView.block}x${this.cloudView.block} px.` : "");
     }
     this.counted = { at: now, toldMs: status.at_ms, frames: status.frames, bad, received: this.received, drawn: this.drawn };
     this.latencies = [];
-    showHealth(find("health"), find("active"), status.health, this.silent(),
+    showHealth(find("health"), find("active"), status.health,
+      !this.silent() ? "" : this.recording ? "the recording has nothing here" : "the sensor says nothing",
       this.recording ? "Not known: the recording does not hold what the sensor said of itself here." : "Nothing is known yet.");
     this.plot();
     this.showState();
@@ -415,11 +421,14 @@ class Page {
         ? ["stof view has ended or cannot be reached: this page comes back by itself", "major"]
         : this.refused ? ["Not connected: stof view has ended, or all its places are taken: close another page of it", "major"] : ["connecting", "wait"];
     }
-    if (this.silent()) return [`Old picture: ${this.status!.waiting}`, "major"];
+    if (this.silent()) return [`Old picture: ${this.status!.waiting}`, this.recording ? "wait" : "major"];
     if (this.paused) return ["Frozen picture", "wait"];
     const health = this.status?.health;
-    if (health && health.severity > 0) return [health.active.filter((one) => one.severity > 0).map((one) => one.name.replace(/_/g, " ")).join(", ") || "trouble", levelOf(health.severity)];
-    if (this.recording) return [this.player.plays() ? "Recording" : "Recording, paused", health ? "good" : ""];
+    if (health && health.severity > 0) {
+      const trouble = health.active.filter((one) => one.severity > 0).map((one) => one.name.replace(/_/g, " ")).join(", ") || "trouble";
+      return [this.recording ? `Playback: ${trouble}` : trouble, levelOf(health.severity)];
+    }
+    if (this.recording) return [this.player.plays() ? "Playback" : "Playback, paused", "play"];
     return this.frame ? ["Live", "good"] : ["waiting for the first frame", "wait"];
   }
 }

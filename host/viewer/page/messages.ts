@@ -36,7 +36,8 @@ export interface Status {
   at_ms: number; // of the program's clock
   frames: number;
   incomplete: number;
-  lost: number;
+  lost: number; // frames, those that came too late among them
+  late: number;
   dropped: number;
   packets_missing: number;
   recovered: number;

@@ -12,6 +12,10 @@ export class Plot {
     while (this.points[0].at < at - shownMs) this.points.shift();
   }
 
+  total(): number {
+    return this.points.reduce((sum, point) => sum + (point.value ?? 0), 0);
+  }
+
   // From 0 to the next round number above all values.
   draw(now: number): void {
     const box = this.canvas.getBoundingClientRect();

@@ -41,8 +41,8 @@ export class RecordButton {
     } else if (message.problem) {
       this.say(`${message.file}: ${message.problem}`, true);
     } else if (message.file) {
-      const lost = message.dropped ? `, ${message.dropped} frames not: the disk is too slow` : "";
-      this.say(`${message.on ? "Recording" : "Recorded"} ${message.file}: ${clock(1000 * message.seconds)}, ${message.frames} frames, ${size(message.bytes)}${lost}`, message.dropped > 0);
+      const lost = message.dropped ? `, ${message.dropped} ${message.dropped === 1 ? "frame" : "frames"} not: the disk is too slow` : "";
+      this.say(`${message.on ? "Recording" : "Recorded"} ${message.file}: ${clock(1000 * message.seconds)}, ${message.frames} ${message.frames === 1 ? "frame" : "frames"}, ${size(message.bytes)}${lost}`, message.dropped > 0);
     }
   }
 }

@@ -93,7 +93,13 @@ TEST(Checks, SayWhatIsWrongAndWhatToDoInOneLine) {
          f.stats.counts.frames_lost = 5;
          f.stats.counts.bad_crc = 9;
        }},
-      {"link", CheckVerdict::kFix, "streams.parity", [](CheckFacts& f) { f.stats.silences = 1; }},
+      {"link", CheckVerdict::kFix, "no frame was lost on the way",
+       [](CheckFacts& f) { f.stats.silences = 1; }},
+      {"link", CheckVerdict::kFix, "streams.parity",
+       [](CheckFacts& f) {
+         f.stats.silences = 1;
+         f.stats.counts.frames_lost = 1;
+       }},
       {"link", CheckVerdict::kFix, "nearly full",  // 50,000 packets in 4.9 s: 104 Mbit/s
        [](CheckFacts& f) {
          f.stats.counts.packets_ok = 50'000;
@@ -162,6 +168,15 @@ TEST(Checks, SayWhyNothingComes) {
   EXPECT_NE(check_of(without_frames([](CheckFacts& f) { f.identity.reset(); }), "reach")
                 .fix.find("power, cable and address"),
             std::string::npos);
+  const Check passed =
+      check_of(without_frames([](CheckFacts& f) { f.nobody_listens = true; }), "firewall");
+  EXPECT_EQ(passed.verdict, CheckVerdict::kOk) << passed.found;
+  const Check other_port = check_of(without_frames([](CheckFacts& f) {
+                                      f.subscribed = true;
+                                      f.stats.source = "UDP 192.168.1.20:7800";
+                                    }),
+                                    "firewall");
+  EXPECT_NE(other_port.fix.find("udp sport 7800 accept"), std::string::npos) << other_port.fix;
   const Check wall =
       check_of(without_frames([](CheckFacts& f) { f.subscribed = true; }), "firewall");
   EXPECT_EQ(wall.verdict, CheckVerdict::kFix);

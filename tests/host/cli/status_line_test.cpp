@@ -79,9 +79,11 @@ TEST(StatusLine, TellsTheSecond) {
   client::Statistics statistics;
   statistics.packets_missing = 3;
   statistics.frames_lost = 2;
+  statistics.frames_old = 4;  // never seen either
+  statistics.frames_stale = 1;
   EXPECT_EQ(meter.line(kStart + 2040ms, statistics, score),
             "   2.0 s   50.0 frames/s, latency 30.0 / 60.0 ms (p50 / p99), coverage 75.0 %, "
-            "error 12.3 mm median, E5 0.125, lost 3 packets 2 frames");
+            "error 12.3 mm median, E5 0.125, lost 3 packets 7 frames");
   EXPECT_FALSE(meter.pending());
   EXPECT_EQ(meter.line(kStart + 3040ms, {}, std::nullopt),
             "   3.0 s    0.0 frames/s, lost 0 packets 0 frames");

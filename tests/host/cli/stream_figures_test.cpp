@@ -35,6 +35,20 @@ TEST(StreamFigures, RateAndJitterAreThoseOfTheArrivals) {
   EXPECT_FALSE(figures.latency_ms());  // the clock is an emulated one
 }
 
+TEST(StreamFigures, WhatTheSensorDidNotMeasureIsNoNumber) {
+  StreamFigures figures;
+  client::Frame frame = frame_of(1, 0);
+  frame.info.emplace();
+  figures.take(frame, 10);
+  EXPECT_FALSE(figures.sensor_latency_ms());
+  EXPECT_FALSE(figures.compute_ms());
+  frame.info->latency_ns = 2'000'000;
+  frame.info->compute_ns = 1'000'000;
+  figures.take(frame, 10.1);
+  EXPECT_EQ(figures.sensor_latency_ms()->mean, 2);
+  EXPECT_EQ(figures.compute_ms()->mean, 1);
+}
+
 TEST(StreamFigures, AFirstFrameAloneHasNoRate) {
   StreamFigures figures;
   figures.take(frame_of(1, 0), 10);

@@ -275,10 +275,14 @@ class Words(Program):
         script = self.stof("completion", "bash").stdout
         asked = [(["stof", "vi"], ["view"]), (["stof", "calib", "st"], ["stereo"]), (["stof", "export", "--as", "p"], ["pcd", "ply", "png16"]),
                  (["stof", "export", "--as", "=", "p"], ["pcd", "ply", "png16"]), (["stof", "export", "--to", ""], []),
-                 (["stof", "completion", "ba"], ["bash"]), (["stof", "he"], ["health"])]
+                 (["stof", "completion", "ba"], ["bash"]), (["stof", "he"], ["health"]), (["stof", "config", "front", "pr"], ["preset"]),
+                 (["stof", "config", "front", "preset", ""], ["indoor", "outdoor", "near", "fast", "quality"]),
+                 (["stof", "fault", "socket", "p"], ["pmd:"]), (["stof", "fault", "socket", "pmd", ":", "v"], ["vanish"]),
+                 (["stof", "fault", "socket", "pmd", ":"], "none drop delay repeat tear corrupt vanish freeze dark hang".split())]
         for name, text in self.helps.items():
             flags = re.findall(r"(?m)^  (?:-\w,)?(--[\w-]+)", text)
             asked.append((["stof", *name.split(), "--"], sorted(set(flags))))
+        self.assertRegex(self.helps["config"], r"preset\s+NAME\s+\(indoor\s+outdoor\s+near\s+fast\s+quality\)")
         lines = [script]
         for words, _ in asked:
             quoted = " ".join(f"'{word}'" for word in words)
@@ -409,6 +413,8 @@ class Sensors(Program):
                 json.loads(data)
         self.assertFalse(any("key" in name for name in files))
         self.refused(self.stof("report", self.place, "support.tar"), 2, "support.tar", "--force")
+        told = json.loads(self.stof("report", self.recording, "recorded.tar", "--json").stdout)
+        self.assertLessEqual({"settings_recorded.json", "events.txt", "frame/depth.png", "info.json"}, set(told["files"]))
         plain = self.stof("report", self.place, "plain.tar", "--seconds", "0.5", "--no-pictures", *LONG.split())
         self.assertEqual(plain.returncode, 0, plain.stderr)
         with tarfile.open(self.folder / "plain.tar") as tar:
@@ -435,7 +441,7 @@ class Sensors(Program):
                 os.close(reading)
                 ended = self.stof(*words, stdout=writing, restore_signals=True)
                 os.close(writing)
-                self.refused(ended, 1, "its output cannot be written")
+                self.refused(ended, 1, "its output cannot be written", "whoever read it has gone")
         self.assertFalse((self.folder / "unread.mcap").exists(), "nothing was recorded")
 
     def test_a_number_is_no_address(self):
@@ -509,7 +515,7 @@ class Sensors(Program):
         self.assertIn("the last one", checks["reach"]["found"])
         self.assertIn("any more", checks["reach"]["found"])
         self.assertEqual((checks["firewall"]["verdict"], checks["firewall"]["fix"]), ("ok", None))
-        self.assertNotIn("1 times silent", checks["link"]["found"])
+        self.assertNotIn("1 time silent", checks["link"]["found"])
 
     def test_a_sensor_that_falls_silent_and_starts_again_is_told_at_once(self):
         first, place = self.start_sensor("leaving", "--port", str(lasting_port()))

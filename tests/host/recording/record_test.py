@@ -109,16 +109,18 @@ class Record(unittest.TestCase):
         self.assertLess(time.monotonic() - begin, 100)
         self.assertGreaterEqual(json.loads(self.succeed("info", file, "--json"))["frames"], 1)
 
-    def test_interrupt_ends_it_whole(self):
-        file = self.folder / "interrupted.mcap"
-        recording = subprocess.Popen([*COMMAND, "record", self.place, str(file)], cwd=self.folder, stdout=subprocess.PIPE, text=True)
-        for line in recording.stdout:
-            if "frames recorded" in line:
-                break
-        recording.send_signal(signal.SIGINT)
-        recording.communicate(timeout=60)
-        self.assertEqual(recording.returncode, 0)
-        self.assertTrue(json.loads(self.succeed("info", file, "--json"))["indexed"])
+    def test_interrupt_and_a_closed_terminal_end_it_whole(self):
+        for number in (signal.SIGINT, signal.SIGHUP):
+            file = self.folder / f"interrupted_{number}.mcap"
+            recording = subprocess.Popen([*COMMAND, "record", self.place, str(file)], cwd=self.folder, stdout=subprocess.PIPE, text=True,
+                                         preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL))
+            for line in recording.stdout:
+                if "frames recorded" in line:
+                    break
+            recording.send_signal(number)
+            recording.communicate(timeout=60)
+            self.assertEqual(recording.returncode, 0)
+            self.assertTrue(json.loads(self.succeed("info", file, "--json"))["indexed"])
 
     def test_killed_recording_is_recovered(self):
         file = self.folder / "killed.mcap"
@@ -182,6 +184,11 @@ class Record(unittest.TestCase):
         self.refuse(2, "make the folder", "record", nobody, self.folder / "absent" / "r.mcap")
         self.refuse(2, "Not a directory", "record", nobody, self.whole / "r.mcap")
         self.refuse(2, "--force", "record", nobody, self.whole)
+        self.refuse(2, "stdout", "record", nobody, "-")
+        link = self.folder / "dangling.mcap"
+        link.symlink_to(self.folder / "nowhere.mcap")
+        for force in ((), ("--force",)):
+            self.refuse(2, "dangling.mcap: is a link: a link is not written through", "record", nobody, link, *force)
         empty = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
         self.refuse(2, "make room", "record", nobody, self.folder / "r.mcap", preexec_fn=empty)
         for verb in ("info", "recover"):
@@ -272,15 +279,15 @@ class Record(unittest.TestCase):
             self.assertEqual((ended.returncode, exported["frames"], exported["damaged"]), (1, info["frames"], 1))
             ended = self.stof("stats", file, "--json")
             self.assertEqual((ended.returncode, json.loads(ended.stdout)["damaged"]), (1, 1), ended.stderr)
-            self.assertIn("1 records in it are damaged", ended.stderr)
+            self.assertIn("1 record in it is damaged", ended.stderr)
             ended = self.stof("check", file)
             self.assertEqual(ended.returncode, 1)
-            self.assertIn("1 records in it are damaged", ended.stdout)
+            self.assertIn("1 record in it is damaged", ended.stdout)
             self.assertNotIn("parity", ended.stdout)
             self.refuse(2, "give OUT", "recover", file)
             self.assertEqual(file.read_bytes(), before)
             out = self.folder / "sound.mcap"
-            self.refuse(1, "1 records in it are damaged", "recover", file, out, "--force")
+            self.refuse(1, "1 record in it is damaged", "recover", file, out, "--force")
             self.assertEqual(json.loads(self.succeed("info", out, "--json"))["frames"], info["frames"])
         self.refuse(2, "--force", "recover", self.whole, out)
         self.refuse(2, "name it", "recover", self.whole, "--force")

@@ -265,6 +265,50 @@ TEST_F(RecordingTest, HealthOfAPlaceIsWhatWasSaidLastBeforeIt) {
   }
 }
 
+TEST_F(RecordingTest, WhatAnEarlierStartSaidIsNothingOfALaterOne) {
+  constexpr std::uint64_t kTenth = 100'000'000;
+  const auto file = folder() / "restart.mcap";
+  auto sink = mcap::FileSink::open(file, mcap::FileSink::Existing::kReplace);
+  ASSERT_TRUE(sink);
+  auto recorder = recording::Recorder::start(*sink, {.library = "test", .sync_period = 1h});
+  ASSERT_TRUE(recorder);
+  for (std::uint32_t at = 1; at <= 20; ++at) {
+    const Pictures pictures(at);
+    client::Frame frame = pictures.frame(at, at < 10 ? 5 : 6);
+    frame.calibration->period_ns = kTenth;
+    recording::TopicMessages messages;
+    if (at == 1 || at == 10) {
+      recording::append_calibration(messages, frame, at * kTenth);
+    }
+    recording::append_frame(messages, frame, at * kTenth);
+    if (at == 8 || at == 14) {
+      recording::append_health(messages, frame.origin, {.uptime_ms = at}, at * kTenth + 1);
+    }
+    ASSERT_TRUE((*recorder)->put(std::move(messages)));
+  }
+  ASSERT_TRUE((*recorder)->finish().indexed);
+  auto frames = recording::IndexedFrames::open(file);
+  ASSERT_TRUE(frames);
+  EXPECT_EQ(frames->starts(), (std::vector<std::uint64_t>{kTenth, 10 * kTenth}));
+  EXPECT_EQ(frames->frame_times().size(), 20U);
+  EXPECT_EQ(frames->frame_times().back(), 20 * kTenth);
+  EXPECT_EQ(frames->period(kTenth - 1), 0ns);
+  EXPECT_EQ(frames->period(5 * kTenth), 100ms);
+  const auto told = [](const std::optional<wire::HealthReport>& health) {
+    return health ? health->uptime_ms : 0;
+  };
+  auto ordered = recording::FrameReader::open(file);
+  ASSERT_TRUE(ordered);
+  for (std::uint64_t at = 1; at <= 20; ++at) {
+    const std::uint64_t right = at < 9 ? 0 : at < 10 ? 8 : at < 15 ? 0 : 14;
+    ASSERT_TRUE(ordered->next());
+    EXPECT_EQ(told(recording::health_at(ordered->sights(), at * kTenth)), right) << at;
+    frames->seek(at * kTenth);
+    ASSERT_TRUE(frames->next());
+    EXPECT_EQ(told(frames->health(at * kTenth)), right) << at;
+  }
+}
+
 TEST_F(RecordingTest, AFileWithoutIndexHasNoTimesToSeek) {
   const auto file = write({10, 11, 12});
   std::filesystem::resize_file(file, std::filesystem::file_size(file) - 1);

@@ -82,6 +82,17 @@ class Replay(unittest.TestCase):
         self.assertIn(f"{FRAMES} frames equal the recorded depth, 0 differ", again.stdout + again.stderr)
         self.assertIn("match not measured, convert not measured, fuse not measured", again.stdout + again.stderr)
 
+    def test_what_a_paced_replay_does_not_measure_is_no_number(self):
+        port = self.folder / "paced.port"
+        player = subprocess.Popen([*STOFD, "--replay", str(self.recording), "--port", "0", "--port-file", str(port)], cwd=self.folder,
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(player.wait)
+        self.addCleanup(player.kill)
+        told = self.stof("stats", "127.0.0.1:" + wait_for_port(port, player), "--seconds", 1, "--timeout", 60, "--json")
+        figures = json.loads(told.stdout)
+        self.assertGreater(figures["received_frames"], 1)
+        self.assertEqual((figures["sensor_latency_ms"], figures["compute_ms"]), (None, None))
+
     def test_other_settings_are_found_to_differ(self):
         other = self.replay("--disparities", "4")
         self.assertEqual(other.returncode, 1, other.stdout + other.stderr)

@@ -34,6 +34,14 @@ TEST(StatusMessage, AnEventOfARecordingHasTheTimeOfItsRecording) {
   EXPECT_EQ(event.at("active"), true);
 }
 
+TEST(StatusMessage, FramesThatCameTooLateAreLostAndToldApart) {
+  const client::Statistics counts{.frames_stale = 1, .frames_old = 4, .frames_lost = 2};
+  const auto status = nlohmann::json::parse(
+      status_message({.statistics = counts, .link = {}, .health = std::nullopt}));
+  EXPECT_EQ(status.at("lost"), 7);
+  EXPECT_EQ(status.at("late"), 5);
+}
+
 TEST(StatusMessage, AnEventOfTheLinkIsOfNoCondition) {
   const auto event = nlohmann::json::parse(event_message(
       LinkEvent{.text = "link: silent", .severity = wire::Severity::kMajor, .active = true}, 5));

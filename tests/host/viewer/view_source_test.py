@@ -156,6 +156,16 @@ class Sources(unittest.TestCase):
                 self.assertIsNotNone(health, to_ms)
                 self.assertEqual(uptimes.setdefault(to_ms, health["uptime_s"]), health["uptime_s"])
             self.assertTrue(1 < uptimes[5000] - uptimes[2000] < 5, uptimes)
+            # Both ends, too, as long as they are looked at: behind the last frame it begins anew.
+            length = page.told["playback"]["length_ms"]
+            for to_ms, least in ((length, uptimes[5000] + 0.5), (0, -1), (length, uptimes[5000] + 0.5)):
+                self.assertTrue(page.wish("seek", to_ms=to_ms)["done"])
+                page.until("playback", lambda place, to=to_ms: abs(place["at_ms"] - to) < 1500)
+                for _ in range(4):
+                    health = page.message("status")["health"]
+                    self.assertTrue(health or to_ms == 0, to_ms)
+                    uptime = health["uptime_s"] if health else 0
+                    self.assertTrue(least < uptime < least + 4, (to_ms, uptime, uptimes))
         self.assertEqual(view.stop(), 0)
         cut = pathlib.Path(self.folder) / "cut.mcap"
         cut.write_bytes(file.read_bytes()[:-100])
@@ -168,6 +178,90 @@ class Sources(unittest.TestCase):
                 self.assertLess(abs(place["began_ms"] / 1000 - time.time()), 600)
                 self.assertEqual(place["length_ms"], 0)
         self.assertEqual(view.stop(), 0)
+
+    def test_a_recording_with_a_silence_and_a_restart_keeps_both(self):
+        sensor = self.start(Sensor, port=lasting_port())
+        file = pathlib.Path(self.folder) / "gaps.mcap"
+        made = subprocess.Popen([*COMMAND, "record", f"127.0.0.1:{sensor.port}", file, "--timeout", "20"], stdout=subprocess.DEVNULL)
+        self.addCleanup(made.kill)
+        await_("frames", lambda: file.exists() and file.stat().st_size > 40_000)
+        time.sleep(1)
+        sensor.process.send_signal(signal.SIGSTOP)
+        time.sleep(3)
+        sensor.process.send_signal(signal.SIGCONT)
+        time.sleep(4)
+        sensor.process.kill()
+        sensor.process.wait()
+        self.start(Sensor, port=sensor.port, name="again")
+        time.sleep(4)
+        made.send_signal(signal.SIGINT)
+        self.assertEqual(made.wait(ENOUGH_S), 0)
+        cut = pathlib.Path(self.folder) / "cut.mcap"
+        cut.write_bytes(file.read_bytes()[:-100])
+        for one, name in ((file, "whole"), (cut, "cut")):
+            view = self.start(View, one, "--http-port", "0", name=name)
+            with WebSocket(view.port) as page:
+                events, waited, end = [], False, time.monotonic() + ENOUGH_S
+                while not (waited and all(any(what in event["text"] for event in events) for what in ("sends again", "started again"))):
+                    self.assertLess(time.monotonic(), end, events)
+                    opcode, payload = page.receive()
+                    told = json.loads(payload) if opcode == 1 else {"type": ""}
+                    events += [told] if told["type"] == "event" and told["condition"] is None else []
+                    waited = waited or bool(told.get("waiting"))
+                self.assertTrue(all(before["time_ms"] <= after["time_ms"] for before, after in zip(events, events[1:])), events)
+                said = [re.match("link: the sensor (is silent|sends again|started again)", event["text"])[1] for event in events]
+                self.assertEqual((said[0], said.count("started again")), ("is silent", 1), events)
+                silent = events[0]["time_ms"] - page.told["playback"]["began_ms"]
+                again = events[said.index("sends again")]["time_ms"] - page.told["playback"]["began_ms"]
+                self.assertGreater(again - silent, 3000, events)
+                if one is file:
+                    self.look_at_the_silence(page, silent)
+                    self.look_at_the_restart(page, next(event["time_ms"] for event in events if "started" in event["text"]))
+            self.assertEqual(view.stop(), 0)
+
+    def look_at_the_silence(self, page, silent):
+        """It is played at its pace: the place goes on, and the page is told that nothing is there."""
+        self.assertTrue(page.wish("play", on=True)["done"])
+        self.assertTrue(page.wish("seek", to_ms=silent - 900)["done"])
+        page.until("playback", lambda place: silent - 1000 < place["at_ms"] < silent)
+        end = time.monotonic() + ENOUGH_S
+        for waits in (False, True):  # the newest status may be of before
+            while bool(page.message("status")["waiting"]) != waits:
+                self.assertLess(time.monotonic(), end)
+        began, places = time.monotonic(), []
+        while (status := page.message("status"))["waiting"]:
+            self.assertRegex(status["waiting"], r"^the recording has nothing here for [2-9]\.\d s$")
+            self.assertEqual(status["link"], ["silent"])
+            places.append(page.told["playback"]["at_ms"])
+        self.assertEqual(status["link"], [])
+        self.assertGreater(time.monotonic() - began, 1.5)  # of the 2.7 s in which it is told
+        self.assertGreater(len(places), 1)
+        self.assertTrue(all(before < after for before, after in zip(places, places[1:])), places)
+
+    def look_at_the_restart(self, page, started):
+        """Its first frame has no health of the start before."""
+        self.assertTrue(page.wish("play", on=False)["done"])
+        to_ms = started - page.told["playback"]["began_ms"]
+        self.assertTrue(page.wish("seek", to_ms=to_ms)["done"])
+        page.until("playback", lambda place: to_ms <= place["at_ms"] < to_ms + 300)
+        for _ in range(3):
+            health = page.message("status")["health"]
+            self.assertTrue(health is None or health["uptime_s"] < 3, health)
+
+    def test_a_folder_that_cannot_be_written_is_refused_at_once(self):
+        sensor = self.start(Sensor)
+        folder = pathlib.Path(self.folder) / "closed"
+        folder.mkdir(mode=0o555)
+        user = 65534 if os.geteuid() == 0 else None  # root may write anywhere
+        os.chmod(self.folder, 0o755)
+        try:
+            ended = subprocess.run([*COMMAND, "view", f"127.0.0.1:{sensor.port}", "--http-port", "0", "--record-to", folder], cwd="/",
+                                   user=user, capture_output=True, text=True, timeout=ENOUGH_S, check=False)
+        except PermissionError:
+            self.skipTest("another user cannot run this build")
+        self.assertEqual((ended.returncode, ended.stderr.count("\n")), (2, 1), ended.stderr)
+        self.assertIn("--record-to: ", ended.stderr)
+        self.assertIn("cannot be written (Permission denied)", ended.stderr)
 
     def test_a_sensor_named_by_its_name_has_its_settings_read(self):
         name = f"view{os.getpid()}"
@@ -205,14 +299,16 @@ class Sources(unittest.TestCase):
         self.assertEqual(view.stop(), 0)
 
     def test_headless_writes_pictures_and_serves_nothing(self):
-        sensor = self.start(Sensor)
+        sensor = self.start(Sensor, "--size", "640x480")  # its files take longer than a period on most machines
         out = pathlib.Path(self.folder) / "pictures"
         ended = subprocess.run([*COMMAND, "view", f"127.0.0.1:{sensor.port}", "--timeout", "20", "--frames", "5", "--headless", str(out)],
                                capture_output=True, text=True, timeout=ENOUGH_S, check=False)
         self.assertEqual(ended.returncode, 0, ended.stderr)
         self.assertNotIn("page:", ended.stdout)
-        written = int(re.search(r"wrote (\d+) frames to ", ended.stdout)[1])
+        written = int(re.search(r"wrote (\d+) frames? to ", ended.stdout)[1])
+        left_out = re.search(r", (\d+) left out: ", ended.stdout)
         self.assertGreater(written, 0)
+        self.assertEqual(written + (int(left_out[1]) if left_out else 0), 5, ended.stdout)
         for kind in ("depth", "depth_color"):
             files = sorted(out.glob(f"{kind}_??????????.png"))
             self.assertEqual(len(files), written)

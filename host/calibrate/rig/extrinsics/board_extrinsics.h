@@ -29,9 +29,9 @@ inline constexpr std::size_t kFewestBoardViews = 5;
 
 // ExtrinsicFit: no offset; wall_misfit is each view's rms of PMD corners over what they scatter by
 // in all views; misfit is how far views disagree of the PMD camera's place, squared, over what
-// corners that are off independently make of it, and the covariance is of that. The lenses and the
-// pair are taken as they are: what they are uncertain by is not in it. None of fewer than
-// kFewestBoardViews views, or where it does not converge.
+// corners that are off independently make of it, and the covariance is of that and of what corners
+// of all views share. The lenses and the pair are taken as they are: what they are uncertain by is
+// not in it. None of fewer than kFewestBoardViews views, or where it does not converge.
 std::optional<ExtrinsicFit> fit_extrinsics(const Board& board,
                                            const std::vector<PmdBoardView>& views,
                                            const FixedPair& pair, const dsp::Pinhole& pmd);

@@ -210,7 +210,8 @@ export function panelChecks({ bin, flags, open, text, live, shot, probe, phone }
       const first = await seek(0);
       await until("that nothing is known", async () => (await text(page, "health")).startsWith("Not known: "));
       assert.equal(await text(page, "active"), "");
-      assert.equal(await text(page, "state"), "Recording, paused");
+      assert.equal(await text(page, "state"), "Playback, paused");
+      assert.equal(await page.locator("#state").getAttribute("data-level"), "play"); // not that of a live sensor
       await shot(page, "replay_begin");
       const later = await seek(2000);
       await until("health", async () => /, up \d+ s/.test(await text(page, "health")));
@@ -249,6 +250,50 @@ export function panelChecks({ bin, flags, open, text, live, shot, probe, phone }
       await shot(short, "replay_cut_dark");
       await short.context().close();
       await plain.stop();
+    },
+
+    async "a silence in a recording is played as one, and told in a line of its own on a phone"() {
+      const sensor = await startSensor(bin, 0, flags);
+      const file = join(folder, "silence.mcap");
+      const made = start(join(bin, "stof"), ["record", `127.0.0.1:${sensor.port}`, file, "--timeout", "30"]);
+      const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+      await until("a recording", () => existsSync(file) && readFileSync(file).length > 100_000);
+      await wait(2000);
+      sensor.child.kill("SIGSTOP");
+      await wait(5000);
+      sensor.child.kill("SIGCONT");
+      await wait(4000);
+      made.child.kill("SIGINT");
+      assert.equal(await made.ended, 0, made.text);
+      await sensor.stop();
+      const view = await startView(bin, file);
+      for (const [size, theme, name] of [[wide, "light", "replay_silence"], [{ width: 390, height: 844 }, "light", "phone_replay_silence"],
+        [{ width: 390, height: 844 }, "dark", "phone_replay_silence_dark"], [wide, "dark", "replay_silence_dark"]]) {
+        const page = await open(view.address, size, theme);
+        await live(page);
+        await until("the silence", async () => /^Old picture: the recording has nothing here for [45]\.\d s$/.test(await text(page, "state")));
+        const opacity = () => page.locator("#stage").evaluate((stage) => getComputedStyle(stage).opacity);
+        assert.equal(await opacity(), "0.45");
+        const at = (await page.messages.filter((message) => message.type === "playback").at(-1)).at_ms;
+        await until("the bar goes on", () => page.messages.filter((message) => message.type === "playback").at(-1).at_ms > at + 300);
+        assert.match(await text(page, "events"), /the sensor sends again[^]*the sensor is silent, its last frame/);
+        const box = (id) => page.locator(`#${id}`).boundingBox();
+        if (size.width < 480) {
+          const [state, button, sensorBox] = [await box("state"), await box("theme"), await box("sensor")];
+          assert.ok(state.width > size.width - 40, JSON.stringify(state)); // a row of its own
+          assert.ok(Math.abs(button.y + button.height / 2 - sensorBox.y - sensorBox.height / 2) < 12, JSON.stringify([button, sensorBox]));
+        }
+        // What lies beside the picture has no colour of what has no depth.
+        const beside = await page.locator("#stage").evaluate((stage) => getComputedStyle(stage).backgroundColor);
+        assert.ok(!["rgb(38, 40, 44)", "rgb(52, 54, 58)"].includes(beside), beside);
+        assert.match(await text(page, "counts"), /Since the start: lost 0 frames; incomplete \d+; packets missing /);
+        await fits(page, size);
+        await shot(page, name);
+        await until("frames again", async () => (await text(page, "state")).startsWith("Playback"));
+        assert.equal(await opacity(), "1");
+        await page.context().close();
+      }
+      await view.stop();
     },
   };
 }
