@@ -6,6 +6,7 @@ import contextlib
 import io
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -51,10 +52,27 @@ class RunsTest(unittest.TestCase):
         self.assertEqual(set(test_steps.STEPS), {*test_steps.SHORT, *test_steps.CI, *test_steps.ALL})
 
     def test_a_longer_run_has_what_a_shorter_one_has(self):
-        # arm64 builds and runs all tests, so those of arm64-kernels, too.
-        self.assertLessEqual(set(test_steps.SHORT) - {"arm64-kernels"}, set(test_steps.CI))
-        self.assertIn("arm64", test_steps.CI)
-        self.assertLessEqual(set(test_steps.CI), set(test_steps.ALL))
+        # arm64 builds and runs all tests, so those of arm64-kernels, too; emu-rest and emu-asan have those of emu between them.
+        self.assertLessEqual(set(test_steps.SHORT) - {"arm64-kernels", "emu"}, set(test_steps.CI))
+        self.assertLessEqual({"arm64", "emu-rest", "emu-asan"}, set(test_steps.CI))
+        self.assertLessEqual((set(test_steps.CI) - {"emu-rest"}) | {"emu"}, set(test_steps.ALL))
+
+    def test_what_sanitizers_leave_out_runs_without_them(self):
+        presets = json.loads((test_steps.ROOT / "CMakePresets.json").read_text(encoding="utf-8"))["testPresets"]
+        filters = {preset["name"]: preset.get("filter", {}) for preset in presets}
+
+        def labels(part):
+            return set(re.fullmatch(r"\^\((.*)\)\$", part["label"])[1].split("|"))
+
+        left_out = labels(filters["emu-asan"]["exclude"])
+        # Of label plain are those that no build with sanitizers has.
+        self.assertLessEqual(left_out | {"kernel", "plain"}, labels(filters["emu-rest"]["include"]))
+
+    def test_what_no_build_with_sanitizers_has_is_plain_or_slow(self):
+        for lists in (test_steps.ROOT / "tests").rglob("CMakeLists.txt"):
+            for block in re.findall(r"if\([^)\n]*NOT STOF_SANITIZED[^)\n]*\)(.*?)endif", lists.read_text(encoding="utf-8"), re.DOTALL):
+                if "add_" in block:
+                    self.assertIn("LABELS plain", block, lists)
 
 
 class PreparationTest(unittest.TestCase):
