@@ -14,6 +14,7 @@
 #include "host/cli/recording/reading_progress.h"
 #include "host/cli/sensor/find_sensor.h"
 #include "host/cli/sensor/sensor_info.h"
+#include "host/cli/sensor_text.h"
 #include "host/client/printable.h"
 #include "host/text/printed.h"
 

@@ -169,7 +169,8 @@ class SignedView(unittest.TestCase):
             time.sleep(seconds)
             view.send_signal(signal.SIGINT)
             out, error = view.communicate(timeout=ENOUGH_S)
-            self.assertLess(int(re.search(r"(\d+) frames received", out)[1]), 10, out + error)
+            received = re.search(r"(\d+) frames received", out)  # none by then: a very busy machine
+            self.assertLess(int(received[1]) if received else 0, 10, out + error)
             late = sum(map(int, re.findall(r"(\d+) frames too old", out)))
             if late > 15:
                 break
