@@ -17,10 +17,10 @@ void RecordedLink::look(const client::LinkState& link, std::uint64_t log_time) {
 }
 
 client::Duration RecordedLink::believed(client::Duration period) const {
-  constexpr client::Duration kUnproven = std::chrono::seconds(1);
   const client::Duration longest =
       std::min(*std::ranges::max_element(gaps_), client::FramePace::kLongest);
-  return std::clamp(period, client::Duration(0), noted_ == 0 ? kUnproven : longest + longest / 8);
+  return std::clamp(period, client::Duration(0),
+                    noted_ == 0 ? client::FramePace::kUnproven : longest + longest / 8);
 }
 
 void RecordedLink::frame(std::uint64_t log_time, client::Duration period, bool starts) {

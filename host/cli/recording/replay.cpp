@@ -27,8 +27,8 @@ using recording::Time;
 
 constexpr std::chrono::milliseconds kServePart{50};
 constexpr std::chrono::seconds kHealthPeriod{1};
-constexpr std::uint64_t kHealthHoldsNs = 1'500'000'000;  // the next one is due earlier
-constexpr std::uint64_t kMostPauseNs = 10'000'000'000;   // between two sessions
+constexpr std::uint64_t kHealthRepeatedNs = 1'500'000'000;  // the next one is due earlier
+constexpr std::uint64_t kMostPauseNs = 10'000'000'000;      // between two sessions
 constexpr std::chrono::seconds kCalibrationPeriod{1};
 // Datagrams that go out at once, and the least time between two such bursts.
 constexpr std::size_t kBurst = 8;
@@ -250,7 +250,7 @@ class Player {
         health_ = *health;
         health_log_time_ = beside.log_time;
         repeat_until_ =
-            Time::clock::now() + (due(beside.log_time + kHealthHoldsNs) - due(beside.log_time));
+            Time::clock::now() + (due(beside.log_time + kHealthRepeatedNs) - due(beside.log_time));
         send_health();
         ++healths_;
       } else {
