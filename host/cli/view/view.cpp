@@ -68,6 +68,7 @@ class View {
       say(health_line(*receiver_.health()));
     }
     if (!options_.headless.empty()) {
+      write_last();
       say(headless_line());
     }
     if (!options_.out.empty()) {
@@ -191,10 +192,21 @@ class View {
         100};  // well below what is too old to be received
     if (client::Time::clock::now() - arrived > kMostWait) {
       ++left_out_;
+      left_last_ = &kept;
       return;
     }
+    left_last_ = nullptr;
     kept.write_depth(options_.headless, options_.scale);
     ++written_;
+  }
+
+  // No newer one comes behind the last.
+  void write_last() {
+    if (left_last_ != nullptr && left_last_->has_depth()) {
+      left_last_->write_depth(options_.headless, options_.scale);
+      --left_out_;
+      ++written_;
+    }
   }
 
   std::string headless_line() const {
@@ -227,9 +239,10 @@ class View {
   bool replay_ = false;  // the newest frame is of a recording
   std::string streams_;  // of the newest frame
   std::uint64_t frames_ = 0;
-  std::uint64_t written_ = 0;   // frames of `headless`
-  std::uint64_t left_out_ = 0;  // frames with depth that `headless` had no time for
-  std::uint64_t raw_ = 0;       // exposures with all raw pictures
+  std::uint64_t written_ = 0;             // frames of `headless`
+  std::uint64_t left_out_ = 0;            // frames with depth that `headless` had no time for
+  const FrameCopy* left_last_ = nullptr;  // the last frame with depth, where it is one of those
+  std::uint64_t raw_ = 0;                 // exposures with all raw pictures
   client::Time raw_heard_{};
   wire::ClockState clock_ = wire::ClockState::kMonotonic;  // of the last frame
   bool silent_ = false;
