@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""outage_test.py -- STOFD...: the appliance loses one of its sensors for ten seconds.
+"""outage_test.py --period-ms N -- STOFD...: the appliance loses one of its sensors for ten seconds.
 
 Whatever ends the sensor's data, frames go on with the other one and say so, all of them true, the robot is told within
-0.3 s, and both are back within 2 s. All rigs run at the same time.
+five periods, and both are back within 2 s. All thirteen rigs run at the same time, so that a period has to be long for slow
+programs.
 """
 
 import array
@@ -20,7 +21,6 @@ import packets
 import receiver
 
 COMMAND = []
-PERIOD_S = 0.06
 FIRST, EDGES, AFTER = 40, 167, 40  # edges before, during and after the outage
 STEREO, PMD, BOTH = 1, 2, 3
 DEPTH, WIDTH, SOURCE, DISPARITY, LEFT, RIGHT = 1, 2, 3, 4, 6, 7
@@ -28,7 +28,8 @@ OF_THE_PAIR = {DISPARITY, LEFT, RIGHT}
 NO_DEPTH, FROM_STEREO, FROM_PMD, CONFLICT = 0, 1, 2, 5
 DEGRADED = 1
 SLOW, STOP = 2, 3
-TOLD_S, BACK_S = 0.3, 2.0
+PERIOD_S = float(sys.argv[sys.argv.index("--period-ms") + 1]) / 1000
+TOLD_S, BACK_S = 5 * PERIOD_S, 2.0
 # Fault, what goes on, the condition that tells it.
 OUTAGES = [
     ("pmd:vanish", STEREO, "pmd lost"),
