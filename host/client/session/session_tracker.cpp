@@ -21,11 +21,11 @@ SessionTracker::Verdict SessionTracker::judge(const wire::Origin& origin, bool p
       refuse(origin, now);
       return Verdict::kForeign;
     }
+    contested_ = contested_ && !current_;  // what was refused may have been of this one
     ended_ = current_ ? std::optional(current_->session_id) : std::nullopt;
     device_id_ = origin.device_id;
     current_ = origin;
     began_ = now;
-    contested_ = false;
     verdict = Verdict::kStarted;
   }
   told_ = told;

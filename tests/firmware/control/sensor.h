@@ -21,9 +21,9 @@ class Sensor {
 
   explicit Sensor(firmware::SettingsService* settings = nullptr, std::uint16_t number = 0,
                   std::uint32_t session = 1, keys::Authenticator* authenticator = nullptr)
-      : port(open(number)),
-        handler({.device_id = kDevice, .session_id = session}, firmware::make_cookie_secret(),
-                subscribers, settings, authenticator),
+      : origin{.device_id = kDevice, .session_id = session},
+        port(open(number)),
+        handler(origin, firmware::make_cookie_secret(), subscribers, settings, authenticator),
         thread(std::in_place,
                firmware::ControlParts{
                    .port = *port, .handler = handler, .subscribers = subscribers, .ring = ring}) {}
@@ -53,6 +53,7 @@ class Sensor {
   }
   std::uint16_t number() const { return port->port(); }
 
+  wire::Origin origin;
   std::unique_ptr<hal::linux::UdpPort> port;
   firmware::LeaseTable subscribers;
   firmware::RequestHandler handler;
