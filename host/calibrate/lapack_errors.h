@@ -7,5 +7,6 @@
 // manual leaves it to programs to bring another. Whatever links stof_calibrate has this one: the
 // program ends with code 1 and one line on stderr. It does not return: what calls LAPACK would
 // compute on with numbers that nobody made.
+// NOLINTNEXTLINE(readability-identifier-naming): Fortran's name
 extern "C" [[noreturn]] void xerbla_(const char* routine, const int* parameter,
                                      std::size_t routine_length);

@@ -46,7 +46,9 @@ std::string one_line(std::string text) {
 std::size_t times_named(const YAML::Node& map, std::string_view key) {
   std::size_t times = 0;
   for (const auto& entry : map) {
-    times += entry.first.IsScalar() && entry.first.Scalar() == key ? 1 : 0;
+    if (entry.first.IsScalar() && entry.first.Scalar() == key) {
+      ++times;
+    }
   }
   return times;
 }

@@ -57,7 +57,9 @@ std::size_t support_of(const std::vector<PlaneLook>& looks, const Eigen::Vector3
   const std::size_t step = std::max<std::size_t>(1, looks.size() / kAsked);
   std::size_t support = 0;
   for (std::size_t i = 0; i < looks.size(); i += step) {
-    support += std::abs(off(looks[i], m)) <= kFirstShare * looks[i].q ? 1 : 0;
+    if (std::abs(off(looks[i], m)) <= kFirstShare * looks[i].q) {
+      ++support;
+    }
   }
   return support;
 }

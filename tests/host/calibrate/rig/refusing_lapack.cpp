@@ -2,6 +2,7 @@
 // it. It tells so as LAPACK does.
 #include <cstddef>
 
+// NOLINTBEGIN(readability-identifier-naming): Fortran's names
 extern "C" {
 
 void xerbla_(const char* routine, const int* parameter, std::size_t routine_length);
@@ -11,3 +12,4 @@ void dgesdd_() {
   xerbla_("DLASCL", &parameter, 6);
 }
 }
+// NOLINTEND(readability-identifier-naming)
