@@ -8,7 +8,9 @@ import json
 import os
 import pathlib
 import random
+import re
 import resource
+import select
 import signal
 import struct
 import subprocess
@@ -171,6 +173,50 @@ class Record(unittest.TestCase):
         self.assertTrue(info["indexed"])
         self.assertGreater(info["frames"], 0)
 
+    def test_full_disk_names_the_frames_that_are_not_in_the_file(self):
+        limit = 2_500_000
+        full = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+        file = self.folder / "full_json.mcap"
+        ended = self.stof("record", self.place, file, "--frames", 1000, "--json", preexec_fn=full)
+        told = json.loads(ended.stdout)
+        info = json.loads(self.succeed("info", file, "--json"))
+        self.assertEqual((ended.returncode, told["whole"], info["state"]), (1, True, "whole, with index"), ended.stderr)
+        self.assertEqual(told["frames"], info["frames"])
+        self.assertGreater(told["frames_not_written"], 0)
+        file = self.folder / "full_text.mcap"
+        ended = self.stof("record", self.place, file, "--frames", 1000, preexec_fn=full)
+        left_out = re.search(r"wrote .*: (\d+) frames, .*; (\d+) frames that came are not in it", ended.stdout)
+        received = re.search(r"(\d+) frames received", ended.stdout)
+        self.assertTrue(left_out and received, ended.stdout)
+        self.assertEqual(int(received[1]), int(left_out[1]) + int(left_out[2]), ended.stdout)
+
+    def test_silence_is_told_at_once_also_beside_json(self):
+        sensor, place = self.start_sensor("standing")
+        self.addCleanup(sensor.wait)
+        self.addCleanup(sensor.kill)
+        for words in (("record", place, "standing.mcap"), ("export", place, "--to", "standing", "--as", "csv")):
+            with self.subTest(words[0]):
+                receiving = subprocess.Popen([*COMMAND, *words, "--json", "--timeout", "60"], cwd=self.folder, stdout=subprocess.PIPE,
+                                             stderr=subprocess.PIPE, text=True)
+                self.addCleanup(receiving.kill)
+                told = []
+                for _ in range(20):  # on a busy computer no frame may have come yet
+                    time.sleep(2)
+                    sensor.send_signal(signal.SIGSTOP)
+                    told, _, _ = select.select([receiving.stderr], [], [], 5)
+                    sensor.send_signal(signal.SIGCONT)
+                    if told:
+                        break
+                self.assertTrue(told)
+                self.assertIn("link: the sensor is silent, its last frame is ", receiving.stderr.readline())
+                self.assertIn("link: the sensor sends again", receiving.stderr.readline())
+                receiving.send_signal(signal.SIGINT)
+                said, errors = receiving.communicate(timeout=120)
+                self.assertEqual(receiving.returncode, 0, errors)
+                answer = json.loads(said)
+                self.assertGreaterEqual(answer["silences"], 1)
+                self.assertEqual(answer["restarts"], 0)
+
     def test_disk_that_holds_no_frame_leaves_no_file(self):
         file = self.folder / "tiny.mcap"
         self.refuse(1, "no frame was kept", "record", self.place, file, "--frames", 1000,
@@ -191,6 +237,7 @@ class Record(unittest.TestCase):
             self.refuse(2, "dangling.mcap: is a link: a link is not written through", "record", nobody, link, *force)
         empty = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
         self.refuse(2, "make room", "record", nobody, self.folder / "r.mcap", preexec_fn=empty)
+        self.assertFalse((self.folder / "r.mcap").exists(), "the same command has to work once there is room")
         for verb in ("info", "recover"):
             self.refuse(2, "does not exist", verb, self.folder / "absent")
             self.refuse(2, "is not a file", verb, self.folder)
