@@ -339,6 +339,32 @@ class Record(unittest.TestCase):
         self.refuse(2, "--force", "recover", self.whole, out)
         self.refuse(2, "name it", "recover", self.whole, "--force")
 
+    def test_cut_recording_is_told_by_check_and_stats(self):
+        file = self.cut("told.mcap", self.whole.stat().st_size - 20)
+        checks = {one["name"]: one for one in json.loads(self.stof("check", file, "--json").stdout)["checks"]}
+        self.assertEqual(checks["file"]["verdict"], "note", checks)
+        self.assertIn("stof recover FILE", checks["file"]["fix"])
+        self.assertIn("cut: stof recover FILE", self.succeed("stats", file))
+        self.assertEqual(json.loads(self.succeed("stats", file, "--json"))["state"], "cut: stof recover FILE")
+        self.assertNotIn("  file ", self.succeed("stats", self.whole))
+
+    def test_two_recordings_in_one_file_are_not_measured_as_one(self):
+        file = self.folder / "two.mcap"
+        file.write_bytes(2 * self.whole.read_bytes())
+        one = json.loads(self.succeed("stats", self.whole, "--json"))
+        ended = self.stof("stats", file, "--json")
+        two = json.loads(ended.stdout)
+        self.assertEqual((ended.returncode, two["files"], two["damaged"]), (1, 2, 1), ended.stderr)
+        self.assertEqual(two["received_frames"], 2 * one["received_frames"])
+        self.assertAlmostEqual(two["seconds"], 2 * one["seconds"], 6)
+        self.assertAlmostEqual(two["rate_hz"], one["rate_hz"], 6)
+        self.assertAlmostEqual(two["interval_ms"]["longest"], one["interval_ms"]["longest"], 6)
+        self.assertEqual((two["restarts"], two["frames"]["lost"]), (0, 2 * one["frames"]["lost"]))
+        checks = {one["name"]: one for one in json.loads(self.stof("check", file, "--json").stdout)["checks"]}
+        self.assertIn("2 recordings lie in it, one behind the other", checks["file"]["found"])
+        self.assertNotIn("stamps go back", checks["clock"]["found"])
+        self.assertIn("2 recordings lie in it", self.stof("stats", file).stdout)
+
     def test_recording_without_a_sound_frame_says_why(self):
         file = self.damaged("none.mcap", *(begin + length - 5 for begin, length in self.chunks()))
         self.refuse(1, "records in it are damaged", "export", file, "--to", "nothing", "--as", "ply")
@@ -376,6 +402,7 @@ class Record(unittest.TestCase):
                 break
         self.refuse(2, "being written", "record", self.place, file, "--force", "--frames", 1)
         self.refuse(2, "being written", "recover", file)
+        self.assertEqual(json.loads(self.succeed("info", file, "--json"))["state"], "not whole yet: another program writes it")
         recording.send_signal(signal.SIGINT)
         recording.communicate(timeout=60)
         self.assertEqual(recording.returncode, 0)
