@@ -176,7 +176,8 @@ std::string silence_fix(const CheckFacts& facts) {
 // share: of the frames that were lost.
 std::string loss_fix(const CheckFacts& facts, double share) {
   const client::Statistics& counts = facts.stats.counts;
-  if (facts.stats.damage.value_or(Damage{}).records != 0) {
+  const bool some_lost = counts.frames_lost + counts.frames_incomplete != 0;
+  if (some_lost && facts.stats.damage.value_or(Damage{}).records != 0) {
     return "what is damaged in the file counts as lost: see file";
   }
   if (counts.socket_drops != 0) {
@@ -185,7 +186,7 @@ std::string loss_fix(const CheckFacts& facts, double share) {
   if (counts.bad_crc + counts.truncated != 0) {
     return "packets are damaged on the way: another cable, another switch port";
   }
-  if (counts.frames_lost + counts.frames_incomplete == 0) {
+  if (!some_lost) {
     return "no frame was lost on the way: " + silence_fix(facts);
   }
   if (facts.stats.silences != 0 && share <= kTolerable) {

@@ -242,6 +242,9 @@ TEST(Checks, SayThatAFileIsDamaged) {
   EXPECT_EQ(check_of(facts, "file").verdict, CheckVerdict::kFix);
   EXPECT_NE(check_of(facts, "file").found.find("2 records"), std::string::npos);
   EXPECT_EQ(check_of(facts, "link").fix.find("parity"), std::string::npos);
+  facts.stats.counts.frames_lost = 0;
+  facts.stats.silences = 1;
+  EXPECT_NE(check_of(facts, "link").fix.find("stood still"), std::string::npos);
 }
 
 TEST(Checks, SayThatAFileWasCutOrIsBeingWritten) {
