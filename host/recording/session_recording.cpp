@@ -6,6 +6,7 @@
 
 #include "firmware/wire/frame/raw_packets.h"
 #include "host/client/value_names.h"
+#include "host/recording/told_lenses.h"
 
 namespace stof::recording {
 namespace {
