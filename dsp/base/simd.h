@@ -11,8 +11,14 @@
 #if defined(__aarch64__)
 #include <arm_neon.h>
 #else
+// No MMX: its registers are those of the x87. Behind a kernel that used them long double, and
+// libraries that compute with it, get not a number.
+#define SIMDE_X86_MMX_NO_NATIVE
 #define SIMDE_ENABLE_NATIVE_ALIASES
 #include <simde/arm/neon.h>
+#if defined(SIMDE_X86_MMX_NATIVE)
+#error "SIMDe uses MMX: include dsp/base/simd.h before any header of SIMDe"
+#endif
 #endif
 
 namespace stof::dsp::simd {

@@ -58,7 +58,7 @@ void Reassembler::push(std::span<const std::byte> datagram, Time arrived, Time n
     return;
   }
   const wire::Header& header = packet->header;
-  switch (session_.judge(header.origin, arrived)) {
+  switch (session_.judge(header.origin, options_.verifier != nullptr, arrived)) {
     case SessionTracker::Verdict::kForeign:
       ++statistics_.foreign;
       return;
@@ -195,7 +195,7 @@ void Reassembler::count(MessageOutcome outcome) {
 void Reassembler::start_session() {
   drop_open();
   ++statistics_.sessions;
-  statistics_.events_dropped += messages_.restart();
+  statistics_.events_dropped += messages_.restart(session_.current_is_told());
   sequence_ = {};
   delay_.restart();
   closed_count_ = 0;
@@ -374,7 +374,7 @@ void Reassembler::close(FrameSlot& slot) {
     return;
   }
   pace_.note(slot.last_packet(), slot.made_with());
-  messages_.note_frame(slot.made_with(), slot.last_packet());
+  messages_.note_frame(slot.made_with(), slot.depth_size(), slot.last_packet());
   if (comes_late(slot)) {
     ++late_frames_;
     drop(slot, &Statistics::frames_old);

@@ -42,6 +42,10 @@ class Reassembler {
   // Read when it arrived.
   void push(std::span<const std::byte> datagram, Time now) { push(datagram, now, now); }
 
+  // The sensor said in an answer that it is this one: no other session is believed any more
+  // (SessionTracker).
+  void expect(const wire::Origin& sensor) noexcept { session_.expect(sensor); }
+
   // Closes the frames that waited too long. To be called when nothing is left to push.
   void expire(Time now);
   // When expire() will have something to do.
@@ -55,9 +59,11 @@ class Reassembler {
   bool keep(FramePixels& pixels) noexcept;  // once a frame; false: none is out
 
   const Statistics& statistics() const noexcept { return statistics_; }
-  // Datagrams that no sensor can have sent, and starts of the order of frames anew; what is not
-  // signed only once there is a key.
-  std::uint64_t forgeries() const noexcept { return forgeries_ + messages_.lies(); }
+  // Datagrams that no sensor can have sent, sessions beside the sensor's, and starts of the order
+  // of frames anew; what is not signed only once there is a key.
+  std::uint64_t forgeries() const noexcept {
+    return forgeries_ + messages_.lies() + session_.contests();
+  }
   // Frames that came too late, by their stamps.
   std::uint64_t late_frames() const noexcept { return late_frames_; }
   FrameDelay& delay() noexcept { return delay_; }

@@ -72,6 +72,9 @@ struct Receiver::Parts {
       const std::span<const std::byte> datagram = socket->packet(next++);
       if (subscription && subscription->take(datagram, now)) {
         watch.keys_refused(subscription->state() == Subscription::State::kNoKey);
+        if (!subscription->signs() && subscription->answerer()) {
+          reassembler.expect(*subscription->answerer());
+        }
         if (subscription->stream_key().number != 0) {
           take_key();
         }
@@ -79,7 +82,11 @@ struct Receiver::Parts {
         continue;
       }
       const std::uint64_t verified = verifier.good();
+      const std::uint64_t foreign = reassembler.statistics().foreign;
       reassembler.push(datagram, arrived, now);
+      if (subscription && reassembler.statistics().foreign > foreign) {
+        subscription->doubt(now);
+      }
       if (subscription && reassembler.delay().held_back()) {
         subscription->renew_key(now);
       }

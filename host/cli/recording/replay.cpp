@@ -16,6 +16,7 @@
 #include "host/cli/json_output.h"
 #include "host/cli/output.h"
 #include "host/cli/stop_signal.h"
+#include "host/client/control/subscription.h"
 #include "host/recording/replay/recorded_packets.h"
 #include "host/recording/replay/replay_server.h"
 #include "host/text/printed.h"
@@ -30,6 +31,8 @@ constexpr std::chrono::seconds kHealthPeriod{1};
 constexpr std::uint64_t kHealthRepeatedNs = 1'500'000'000;  // the next one is due earlier
 constexpr std::uint64_t kMostPauseNs = 10'000'000'000;      // between two sessions
 constexpr std::chrono::seconds kCalibrationPeriod{1};
+constexpr client::Duration kStart =
+    client::Subscription::kSilence + 2 * client::Subscription::kRepeat;
 // Datagrams that go out at once, and the least time between two such bursts.
 constexpr std::size_t kBurst = 8;
 constexpr std::chrono::microseconds kGap{50};
@@ -145,6 +148,9 @@ class Player {
     if (!packets_) {
       begin_session(frame, frame.log_time);
       begin_after_subscription();
+      if (passes_ > 0) {
+        let_ask();
+      }
     } else if (recorded_.session_id != frame.origin.session_id) {
       end_session(frame);
     }
@@ -190,6 +196,14 @@ class Player {
       wait_for(played_until_ + std::min(begin - played_until_, kMostPauseNs));
     }
     begin_session(frame, begin);
+    let_ask();
+  }
+
+  // No client believes a start that it was not told of when it asked, and it asks after half a
+  // second of nothing.
+  void let_ask() {
+    serve_until(Time::clock::now() + kStart);
+    began_ = Time::clock::now();
   }
 
   // Who subscribes sees it from its begin on.

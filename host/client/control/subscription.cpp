@@ -55,6 +55,12 @@ void Subscription::renew_key(Time now) {
   }
 }
 
+void Subscription::doubt(Time now) {
+  if (state_ == State::kActive) {
+    next_ = std::min(next_, std::max(now, asked_ + kRepeat));
+  }
+}
+
 Time Subscription::next_due() const {
   return state_ == State::kActive ? std::min(next_, heard_ + kSilence) : next_;
 }
@@ -86,6 +92,7 @@ bool Subscription::take(std::span<const std::byte> datagram, Time now) {
         round_trip_ = std::min(round_trip_.value_or(now - asked_), now - asked_);
       }
     }
+    answerer_ = packet->header.origin;
     answered(*answer, now);
   }
   return true;

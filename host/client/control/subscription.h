@@ -86,6 +86,11 @@ class Subscription {
   // Of signed streams: what they are signed with; number 0: not known yet.
   const wire::StreamKey& stream_key() const noexcept { return stream_key_; }
   std::uint32_t session() const noexcept { return signer_ ? signer_->session_id() : 0; }
+  // Who answered the newest request that was answered: nobody else sends what was asked for. None:
+  // nobody did.
+  const std::optional<wire::Origin>& answerer() const noexcept { return answerer_; }
+  // Something came in the name of another start of the sensor: asks it which one goes on.
+  void doubt(Time now);
   // The shortest time from a request to its answer, as this program saw it: an answer's way back
   // takes no longer. None: no request was answered yet.
   std::optional<Duration> round_trip() const noexcept { return round_trip_; }
@@ -126,6 +131,7 @@ class Subscription {
   std::optional<Duration> round_trip_;
   Time key_asked_ = Time::min();
   std::uint32_t proven_key_ = 0;
+  std::optional<wire::Origin> answerer_;
   wire::DatagramBuffer buffer_{};
 };
 

@@ -113,13 +113,16 @@ std::optional<wire::PacketView> FrameSlot::recover(std::size_t group) const {
   return packet ? std::optional(*packet) : std::nullopt;
 }
 
+ImageSize FrameSlot::depth_size() const {
+  const Frame frame = view();
+  return {.width = frame.depth.width(), .height = frame.depth.height()};
+}
+
 // A frame names the calibration that it was made with; where that did not come yet it has none.
 void FrameSlot::choose_calibration(const LensBook& told) {
-  const Frame frame = view();
   const std::optional<std::uint32_t> named =
       info_ ? std::optional(info_->calibration_fingerprint) : std::nullopt;
-  const wire::CalibrationPacket* const lens =
-      told.of(named, frame.depth.width(), frame.depth.height());
+  const wire::CalibrationPacket* const lens = told.of(named, depth_size());
   calibration_ = lens == nullptr ? std::nullopt : std::optional(*lens);
 }
 

@@ -87,6 +87,8 @@ class FrameSlot {
                                           .calibration = info_->calibration_fingerprint})
                  : std::nullopt;
   }
+  // Zeros: it has none, or nothing of it arrived.
+  ImageSize depth_size() const;
   // Of those that were told by now, once the frame is finished.
   void choose_calibration(const LensBook& told);
 

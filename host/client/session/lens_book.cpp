@@ -1,15 +1,19 @@
 #include "host/client/session/lens_book.h"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 namespace stof::client {
 namespace {
 
+ImageSize size_of(const wire::CalibrationPacket& lens) noexcept {
+  return {.width = lens.image_width, .height = lens.image_height};
+}
+
 // What messages are compared by: others are of two rigs, or of two pictures.
 bool same_key(const wire::CalibrationPacket& one, const wire::CalibrationPacket& other) noexcept {
-  return one.fingerprint == other.fingerprint && one.image_width == other.image_width &&
-         one.image_height == other.image_height;
+  return one.fingerprint == other.fingerprint && size_of(one) == size_of(other);
 }
 
 }  // namespace
@@ -26,10 +30,12 @@ bool LensBook::same(const wire::CalibrationPacket& one,
   return compared == other || one.fingerprint == 0;
 }
 
-void LensBook::restart() noexcept {
+void LensBook::restart(bool told) noexcept {
   named_.reset();
   for (std::optional<Entry>& entry : entries_) {
-    if (entry) {
+    if (!told) {
+      entry.reset();
+    } else if (entry) {
       entry->told = 0;
     }
   }
@@ -86,12 +92,13 @@ bool LensBook::take_other(Entry& entry, const wire::CalibrationPacket& told,
   return true;
 }
 
-// The entry of this fingerprint and size, or else an empty one: of that which frames named least
-// recently, and of these the one told least recently.
+// The entry of this fingerprint and size, or else an empty one: of those that do not stand the one
+// which frames named least recently, and of these the one told least recently.
 std::optional<LensBook::Entry>& LensBook::place(const wire::CalibrationPacket& told) noexcept {
   std::optional<Entry>* oldest = entries_.data();
   const auto age = [](const std::optional<Entry>& entry) {
-    return entry ? std::pair(entry->named, entry->told) : std::pair<std::uint64_t, std::uint64_t>();
+    return entry ? std::tuple(entry->stands, entry->named, entry->told)
+                 : std::tuple(false, std::uint64_t{0}, std::uint64_t{0});
   };
   for (std::optional<Entry>& entry : entries_) {
     if (entry && same_key(entry->lens, told)) {
@@ -105,12 +112,19 @@ std::optional<LensBook::Entry>& LensBook::place(const wire::CalibrationPacket& t
   return *oldest;
 }
 
-void LensBook::note_frame(std::uint32_t fingerprint, Time arrived) noexcept {
+void LensBook::note_frame(std::uint32_t fingerprint, ImageSize depth, Time arrived) noexcept {
   const bool anew = named_ != fingerprint;
   named_ = fingerprint;
   ++frames_;
+  const bool known = std::ranges::any_of(entries_, [&](const std::optional<Entry>& entry) {
+    return entry && entry->lens.fingerprint == fingerprint && entry->named != 0;
+  });
   for (std::optional<Entry>& entry : entries_) {
     if (!entry || entry->lens.fingerprint != fingerprint) {
+      continue;
+    }
+    // Frames without depth go with the lens that they went with before.
+    if (depth == ImageSize{} ? known && entry->named == 0 : size_of(entry->lens) != depth) {
       continue;
     }
     // What was told while no frame named it proves nothing.
@@ -125,7 +139,9 @@ void LensBook::note_frame(std::uint32_t fingerprint, Time arrived) noexcept {
 template <typename Accepts>
 const wire::CalibrationPacket* LensBook::newest(Accepts accepts) const noexcept {
   const Entry* found = nullptr;
-  const auto rank = [](const Entry& entry) { return std::pair(entry.stands, entry.told); };
+  const auto rank = [](const Entry& entry) {
+    return std::tuple(entry.stands, entry.named != 0, entry.told);
+  };
   for (const std::optional<Entry>& entry : entries_) {
     if (entry && entry->told != 0 && accepts(entry->lens) &&
         (found == nullptr || rank(*entry) > rank(*found))) {
@@ -148,12 +164,12 @@ const wire::CalibrationPacket* LensBook::current() const noexcept {
   });
 }
 
-const wire::CalibrationPacket* LensBook::of(std::optional<std::uint32_t> fingerprint, int width,
-                                            int height) const noexcept {
+const wire::CalibrationPacket* LensBook::of(std::optional<std::uint32_t> fingerprint,
+                                            ImageSize depth) const noexcept {
   const std::uint32_t named = fingerprint.value_or(named_.value_or(0));
   const auto fits = [&](const wire::CalibrationPacket& lens) {
     return (named == 0 || lens.fingerprint == named) &&
-           (width == 0 || (lens.image_width == width && lens.image_height == height));
+           (depth == ImageSize{} || size_of(lens) == depth);
   };
   if (!fingerprint && named != 0 && last_told() != named) {
     return nullptr;

@@ -8,6 +8,7 @@
 
 #include "firmware/wire/messages/calibration.h"
 #include "host/client/frame/frame.h"
+#include "host/client/frame/image_size.h"
 
 namespace stof::client {
 
@@ -20,7 +21,8 @@ namespace stof::client {
 //  - Before that nobody can say which of the two is the lie: neither is believed, until one of them
 //    was alone for 3 seconds and 3 frames; after 10 of both it stands. Frames have no lens so long.
 // A sensor sends its own once a second, or with each frame where those are rarer. What was learned
-// outlasts a session, for a fingerprint does. Where a fingerprint is not told (0) all is believed.
+// outlasts a session that the sensor itself told, for a fingerprint does. Where a fingerprint is
+// not told (0) all is believed. Other image sizes than frames have push nothing out.
 // No clock: times are the caller's.
 class LensBook {
  public:
@@ -33,26 +35,28 @@ class LensBook {
   // place of another of the same size.
   explicit LensBook(bool units_change = false) noexcept : units_change_(units_change) {}
 
-  // A session begins: none was told in it.
-  void restart() noexcept;
+  // A session begins: none was told in it. told: by the sensor itself; else the one before may have
+  // been somebody else's, and nothing is known.
+  void restart(bool told) noexcept;
 
   // One that arrived then; false: it contradicts another. late: one that was sent after it arrived
   // before, it changes nothing of period and range.
   bool take(const wire::CalibrationPacket& told, Time arrived, bool late) noexcept;
-  // A frame arrived then that names this fingerprint.
-  void note_frame(std::uint32_t fingerprint, Time arrived) noexcept;
+  // A frame arrived then that names this fingerprint; depth: the size of its depth.
+  void note_frame(std::uint32_t fingerprint, ImageSize depth, Time arrived) noexcept;
 
   // Of frames as they come now: one with the fingerprint that the newest frame names; before the
   // first frame, and where that names none, any. Of several one that stands, of these the newest.
   // None: not told in this session, or in doubt.
   const wire::CalibrationPacket* current() const noexcept;
-  // Of a frame of this image size (0: it has no depth) that names this fingerprint. One whose frame
-  // info is missing goes with the frame before, where nothing else was told meanwhile.
-  const wire::CalibrationPacket* of(std::optional<std::uint32_t> fingerprint, int width,
-                                    int height) const noexcept;
+  // Of a frame with depth of this size (0: it has none) that names this fingerprint. One whose
+  // frame info is missing goes with the frame before, where nothing else was told meanwhile.
+  const wire::CalibrationPacket* of(std::optional<std::uint32_t> fingerprint,
+                                    ImageSize depth) const noexcept;
 
  private:
-  // More than a sensor has pictures on a line. The ones that frames named last are kept.
+  // More than a sensor has pictures on a line. Those that stand are kept, and of the others the
+  // ones that frames named last.
   static constexpr std::size_t kEntries = 8;
 
   // How long nothing contradicted.
@@ -67,7 +71,7 @@ class LensBook {
   struct Entry {
     wire::CalibrationPacket lens;
     Alone alone;
-    std::uint64_t frames = 0;  // that named it
+    std::uint64_t frames = 0;  // of its size, that named it
     std::uint64_t named = 0;   // the order of the newest of them; 0: none
     std::uint64_t told = 0;    // the order of its newest message in this session; 0: none
     bool doubted = false;

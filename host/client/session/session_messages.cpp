@@ -33,7 +33,7 @@ bool is_period(std::int64_t period_ns) noexcept {
 
 }  // namespace
 
-std::size_t SessionMessages::restart() {
+std::size_t SessionMessages::restart(bool told) {
   const std::size_t untaken = events_in_ - events_out_;
   raw_.restart();
   RawAssembler raw = std::move(raw_);  // its counts are the receiver's
@@ -42,7 +42,7 @@ std::size_t SessionMessages::restart() {
   *this = SessionMessages();
   raw_ = std::move(raw);
   lenses_ = lenses;
-  lenses_.restart();
+  lenses_.restart(told);
   lies_ = lies;
   return untaken;
 }
@@ -78,13 +78,14 @@ MessageOutcome SessionMessages::push_calibration(const wire::PacketView& packet,
   return MessageOutcome::kTaken;
 }
 
-void SessionMessages::note_frame(const std::optional<MadeWith>& made, Time arrived) noexcept {
+void SessionMessages::note_frame(const std::optional<MadeWith>& made, ImageSize depth,
+                                 Time arrived) noexcept {
   if (!made) {
     return;
   }
   changes_ = made_ == made ? changes_ : 0;
   made_ = made;
-  lenses_.note_frame(made->calibration, arrived);
+  lenses_.note_frame(made->calibration, depth, arrived);
   choose_calibration();
 }
 

@@ -37,8 +37,9 @@ class SessionMessages {
   explicit SessionMessages(std::size_t most_raw_pixels = 0, bool units_change = false)
       : lenses_(units_change), raw_(most_raw_pixels) {}
 
-  // A session begins. Returns the events that nobody took.
-  std::size_t restart();
+  // A session begins. told: by the sensor itself; else what was learned of lenses may be somebody
+  // else's, and is forgotten. Returns the events that nobody took.
+  std::size_t restart(bool told);
 
   // frames: of the same session; a calibration tells the number of the frame it was sent beside.
   // period: that it tells, also where its lens is not believed; none: it is none of now.
@@ -47,7 +48,7 @@ class SessionMessages {
   // A frame was closed, of which the last packet arrived then. A calibration that changes twice,
   // though no frame was made with other settings or another calibration meanwhile, was not always
   // the sensor's.
-  void note_frame(const std::optional<MadeWith>& made, Time arrived) noexcept;
+  void note_frame(const std::optional<MadeWith>& made, ImageSize depth, Time arrived) noexcept;
   // Such changes, over all sessions.
   std::uint64_t lies() const noexcept { return lies_; }
   MessageOutcome push_health(const wire::PacketView& packet, Time arrived);

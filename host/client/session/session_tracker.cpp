@@ -1,35 +1,44 @@
 #include "host/client/session/session_tracker.h"
 
-#include <algorithm>
-
 namespace stof::client {
 namespace {
 
-constexpr Duration kSilence = std::chrono::seconds(1);
+bool same(const wire::Origin& one, const wire::Origin& other) noexcept {
+  return one.device_id == other.device_id && one.session_id == other.session_id;
+}
 
 }  // namespace
 
-SessionTracker::Verdict SessionTracker::judge(const wire::Origin& origin, Time now) {
-  if (device_id_ && *device_id_ != origin.device_id) {
+SessionTracker::Verdict SessionTracker::judge(const wire::Origin& origin, bool proven, Time now) {
+  const bool told = proven || (expected_ && same(*expected_, origin));
+  if ((device_id_ && *device_id_ != origin.device_id) || (expected_ && !told)) {
+    refuse(origin, now);
     return Verdict::kForeign;
   }
   Verdict verdict = Verdict::kCurrent;
   if (!current_ || current_->session_id != origin.session_id) {
-    const auto end =
-        retired_.begin() + static_cast<std::ptrdiff_t>(std::min(retired_count_, retired_.size()));
-    const bool ended = std::find(retired_.begin(), end, origin.session_id) != end;
-    if (ended && now - last_heard_ < kSilence) {
+    if (current_ && !told && now - last_heard_ < kSilence) {
+      refuse(origin, now);
       return Verdict::kForeign;
     }
-    if (current_) {
-      retired_[retired_count_++ % kRetired] = current_->session_id;
-    }
+    contested_ = contested_ && !current_;  // what was refused may have been of this one
+    ended_ = current_ ? std::optional(current_->session_id) : std::nullopt;
     device_id_ = origin.device_id;
     current_ = origin;
+    began_ = now;
     verdict = Verdict::kStarted;
   }
+  told_ = told;
   last_heard_ = now;
+  contests_ += contested_ ? 1U : 0U;
+  contested_ = false;
   return verdict;
+}
+
+// What a sensor had sent before it started again may arrive after that.
+void SessionTracker::refuse(const wire::Origin& origin, Time now) {
+  const bool just_ended = ended_ == origin.session_id && now - began_ < kSilence;
+  contested_ = contested_ || (device_id_ == origin.device_id && !just_ended);
 }
 
 }  // namespace stof::client

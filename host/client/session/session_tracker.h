@@ -11,26 +11,48 @@
 namespace stof::client {
 
 // Which sensor is listened to, and in which of its sessions: one begins with each start of it.
+// Anybody can send packets of a session that never was. So another one is believed
+//  - where the sensor said so in an answer to a request of ours: then that one alone;
+//  - else, where nobody is asked, when nothing came of the one before for 1.2 seconds: a sensor
+//    that runs says something once a second, and whoever starts again says nothing of before.
+// No clock: times are the caller's.
 class SessionTracker {
  public:
   enum class Verdict : std::uint8_t { kForeign, kCurrent, kStarted };
 
+  // More than between two of health, which a sensor sends at any period.
+  static constexpr Duration kSilence = std::chrono::milliseconds(1200);
+
   // Without a device the first one heard.
   explicit SessionTracker(std::optional<std::uint32_t> device_id) : device_id_(device_id) {}
 
-  // A session id that was never heard is a start of the sender. One that has ended comes back only
-  // when the current one is silent: then the change was not a start but a stray packet.
-  Verdict judge(const wire::Origin& origin, Time now);
+  // An answer to a request came from this one.
+  void expect(const wire::Origin& origin) noexcept {
+    expected_ = origin;
+    device_id_ = device_id_.value_or(origin.device_id);
+  }
+  // proven: the packet is signed for us, and with it its session.
+  Verdict judge(const wire::Origin& origin, bool proven, Time now);
+
   const std::optional<wire::Origin>& current() const noexcept { return current_; }
+  // The sensor itself told the current one.
+  bool current_is_told() const noexcept { return told_; }
+  // How often the current session went on after a packet of another one of this device, which it
+  // had not just ended: one of the two is somebody else's.
+  std::uint64_t contests() const noexcept { return contests_; }
 
  private:
-  static constexpr std::size_t kRetired = 8;
+  void refuse(const wire::Origin& origin, Time now);
 
   std::optional<std::uint32_t> device_id_;
+  std::optional<wire::Origin> expected_;
   std::optional<wire::Origin> current_;
+  bool told_ = false;
   Time last_heard_;
-  std::array<std::uint32_t, kRetired> retired_{};
-  std::size_t retired_count_ = 0;  // ever; the newest kRetired are kept
+  std::optional<std::uint32_t> ended_;  // the session before
+  Time began_;                          // the current one
+  bool contested_ = false;
+  std::uint64_t contests_ = 0;
 };
 
 }  // namespace stof::client

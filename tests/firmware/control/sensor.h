@@ -17,11 +17,13 @@ namespace stof::test {
 // The network end of a sensor on loopback: port, handler and thread, without a loop.
 class Sensor {
  public:
+  static constexpr std::uint32_t kDevice = 0x51;
+
   explicit Sensor(firmware::SettingsService* settings = nullptr, std::uint16_t number = 0,
                   std::uint32_t session = 1, keys::Authenticator* authenticator = nullptr)
-      : port(open(number)),
-        handler({.device_id = 0x51, .session_id = session}, firmware::make_cookie_secret(),
-                subscribers, settings, authenticator),
+      : origin{.device_id = kDevice, .session_id = session},
+        port(open(number)),
+        handler(origin, firmware::make_cookie_secret(), subscribers, settings, authenticator),
         thread(std::in_place,
                firmware::ControlParts{
                    .port = *port, .handler = handler, .subscribers = subscribers, .ring = ring}) {}
@@ -51,6 +53,7 @@ class Sensor {
   }
   std::uint16_t number() const { return port->port(); }
 
+  wire::Origin origin;
   std::unique_ptr<hal::linux::UdpPort> port;
   firmware::LeaseTable subscribers;
   firmware::RequestHandler handler;

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -12,6 +13,7 @@
 #include "firmware/wire/messages/calibration.h"
 #include "host/client/reassembler.h"
 #include "host/client/session/link_watch.h"
+#include "host/client/session/session_tracker.h"
 #include "tests/host/client/sent_frame.h"
 
 namespace stof::client {
@@ -213,6 +215,51 @@ TEST_F(ForgedLens, AfterAStartThatNeverWasIsNotBelieved) {
     EXPECT_EQ(came.forged, 0);
     EXPECT_GE(came.of_sensor, 1);
   }
+}
+
+TEST_F(ForgedLens, OfAStandingOneIsNotBelievedHoweverManyOtherSizesAreTold) {
+  stream(150);
+  for (const int sizes : {8, 32, 200}) {
+    const Lenses came = stream(100, [&](int) {
+      for (int i = 0; i < sizes; ++i) {
+        say(kForged, kFile, 250, 100 + i);
+      }
+      say(kForged, kFile);
+    });
+    EXPECT_EQ(came.forged, 0);
+    EXPECT_EQ(came.of_sensor, 100);
+  }
+  EXPECT_TRUE(told());
+}
+
+// Nobody answered in it.
+TEST_F(ForgedLens, OfAnotherSessionIsNotBelievedHoweverLongItGoesOn) {
+  reassembler_.expect(origin_);
+  stream(150);
+  const std::uint32_t session = origin_.session_id;
+  const std::uint32_t number = number_;
+  origin_.session_id = 99;
+  const Lenses his = stream(300, [&](int) { say(kForged, kFile); });
+  EXPECT_EQ(his.forged + his.of_sensor + his.none, 0);
+  origin_.session_id = session;
+  number_ = number;
+  const Lenses came = stream(100, [&](int) { say(kForged, kFile); });
+  EXPECT_EQ(came.forged, 0);
+  EXPECT_GE(came.of_sensor, 90);
+}
+
+// Where nobody is asked, whoever speaks first is believed as long as he goes on.
+TEST_F(ForgedLens, OfAStrangerWhoWasThereBeforeTheSensorEndsWithHisSession) {
+  lens_ = kForged;
+  const std::uint32_t session = std::exchange(origin_.session_id, 99);
+  stream(260);
+  lens_ = kTrue;
+  origin_.session_id = session;
+  number_ = 1;
+  now_ += SessionTracker::kSilence;
+  const Lenses came = stream(100);
+  EXPECT_EQ(came.forged, 0);
+  EXPECT_GE(came.of_sensor, 90);
 }
 
 TEST_F(ForgedLens, BesideAFrameThatIsStillToComeMakesTheSensorsNotLate) {

@@ -213,6 +213,7 @@ TEST(Loss, AThousandSessionsNeverMix) {
     // It is switched off anywhere after its first frame, and up to ten of its last packets come
     // after the next start.
     sent.resize(static_cast<std::size_t>(random.between(20, static_cast<int>(sent.size()))));
+    reassembler.expect({.device_id = 1, .session_id = session});
     const std::size_t late = static_cast<std::size_t>(random.between(0, 10));
     push(sent.front());
     for (const Datagram& straggler : stragglers) {

@@ -287,6 +287,7 @@ TEST(RawReassembly, EveryDatagramIsCountedOnceAndAnotherSessionBeginsAnew) {
   push(Exposure(2).packets(2).front());
   wire::Origin other = test::kOrigin;
   ++other.session_id;
+  reassembler.expect(other);
   for (const Datagram& datagram : sent.packets(1, 0, other)) {
     push(datagram);
   }

@@ -6,6 +6,7 @@
 
 #include "firmware/wire/bytes.h"
 #include "host/client/reassembler.h"
+#include "host/client/session/session_tracker.h"
 #include "tests/host/client/sent_frame.h"
 
 namespace stof::client {
@@ -41,12 +42,18 @@ FrameSpec in_session(std::uint32_t session, std::uint32_t number) {
   return spec;
 }
 
+// The sensor answers a request in this session.
+void told(Reassembler& reassembler, std::uint32_t session) {
+  reassembler.expect(in_session(session, 1).origin);
+}
+
 TEST(Session, ARestartDropsWhatIsOpenAndBeginsAnew) {
   Reassembler reassembler;
   EXPECT_EQ(push_all(reassembler, datagrams(in_session(1, 1000))), 1U);
   std::vector<Datagram> half = datagrams(in_session(1, 1001));
   half.pop_back();
   EXPECT_EQ(push_all(reassembler, half), 0U);
+  told(reassembler, 2);
   // The number of the frame that was open, in the new session: not one row of the old one.
   std::vector<Datagram> next = datagrams(in_session(2, 1001));
   next.erase(next.begin() + 3);
@@ -64,6 +71,7 @@ TEST(Session, ARestartDropsWhatIsOpenAndBeginsAnew) {
 TEST(Session, NumbersAndFreshnessStartAgain) {
   Reassembler reassembler;
   EXPECT_EQ(push_all(reassembler, datagrams(in_session(1, 1000))), 1U);
+  told(reassembler, 2);
   EXPECT_EQ(push_all(reassembler, datagrams(in_session(2, 1))), 1U);
   EXPECT_EQ(push_all(reassembler, datagrams(in_session(2, 2))), 1U);
 }
@@ -71,23 +79,66 @@ TEST(Session, NumbersAndFreshnessStartAgain) {
 TEST(Session, PacketsOfAnEndedSessionAreForeign) {
   Reassembler reassembler;
   push_all(reassembler, datagrams(in_session(1, 1000)));
+  told(reassembler, 2);
   push_all(reassembler, datagrams(in_session(2, 1)));
+  told(reassembler, 3);
   push_all(reassembler, datagrams(in_session(3, 1)));
   EXPECT_EQ(push_all(reassembler, datagrams(in_session(1, 1001))), 0U);
   EXPECT_EQ(push_all(reassembler, datagrams(in_session(2, 2))), 0U);
   EXPECT_EQ(reassembler.statistics().foreign, 26U);
   EXPECT_EQ(reassembler.statistics().sessions, 3U);
   EXPECT_EQ(push_all(reassembler, datagrams(in_session(3, 2))), 1U);
+  EXPECT_EQ(reassembler.forgeries(), 1U);  // of session 1, which had not ended just before
 }
 
-// One stray packet with a session of its own must not end the reception for good.
-TEST(Session, AnEndedSessionComesBackWhenTheOtherIsSilent) {
+// What a sensor had sent before it started again comes late.
+TEST(Session, LatePacketsOfTheOneBeforeAreNoForgery) {
+  Reassembler reassembler;
+  push_all(reassembler, datagrams(in_session(1, 1000)));
+  told(reassembler, 2);
+  push_all(reassembler, datagrams(in_session(2, 1)));
+  EXPECT_EQ(push_all(reassembler, datagrams(in_session(1, 1001))), 0U);
+  EXPECT_EQ(push_all(reassembler, datagrams(in_session(2, 2))), 1U);
+  EXPECT_EQ(reassembler.forgeries(), 0U);
+}
+
+// Anybody can make sessions up.
+TEST(Session, AnotherOneIsForgedWhileTheSensorGoesOn) {
+  Reassembler reassembler;
+  std::uint32_t number = 1;
+  for (int ms = 0; ms < 5000; ms += 100, ++number) {
+    const Time now = kStart + milliseconds(ms);
+    EXPECT_EQ(push_all(reassembler, datagrams(in_session(100 + number, 7)), now),
+              ms == 0 ? 1U : 0U);
+    EXPECT_EQ(push_all(reassembler, datagrams(in_session(101, number + 7)), now), 1U);
+  }
+  EXPECT_EQ(reassembler.statistics().sessions, 1U);
+  EXPECT_EQ(reassembler.forgeries(), 49U);
+}
+
+// Where nobody is asked, as on a serial line or with stofd --to.
+TEST(Session, AnotherOneBeginsWhenTheOneBeforeIsSilent) {
   Reassembler reassembler;
   push_all(reassembler, datagrams(in_session(1, 1)));
-  push_all(reassembler, {datagrams(in_session(99, 7)).front()});
-  EXPECT_EQ(push_all(reassembler, datagrams(in_session(1, 2)), kStart + milliseconds(999)), 0U);
-  EXPECT_EQ(push_all(reassembler, datagrams(in_session(1, 3)), kStart + milliseconds(1000)), 1U);
+  const Time silent = kStart + SessionTracker::kSilence;
+  EXPECT_EQ(push_all(reassembler, datagrams(in_session(99, 7)), silent - milliseconds(1)), 0U);
+  EXPECT_EQ(push_all(reassembler, datagrams(in_session(99, 8)), silent), 1U);
+  EXPECT_EQ(push_all(reassembler, datagrams(in_session(1, 2)), silent + milliseconds(1)), 0U);
+  EXPECT_EQ(push_all(reassembler, datagrams(in_session(1, 3)), silent + SessionTracker::kSilence),
+            1U);
   EXPECT_EQ(reassembler.statistics().sessions, 3U);
+  EXPECT_EQ(reassembler.forgeries(), 0U);
+}
+
+TEST(Session, NoOtherThanTheToldIsBelievedHoweverLongItIsSilent) {
+  Reassembler reassembler;
+  told(reassembler, 1);
+  EXPECT_EQ(push_all(reassembler, datagrams(in_session(2, 1))), 0U);
+  EXPECT_EQ(push_all(reassembler, datagrams(in_session(1, 1))), 1U);
+  const Time later = kStart + std::chrono::hours(1);
+  EXPECT_EQ(push_all(reassembler, datagrams(in_session(2, 2)), later), 0U);
+  EXPECT_EQ(push_all(reassembler, datagrams(in_session(1, 2)), later), 1U);
+  EXPECT_EQ(reassembler.statistics().sessions, 1U);
 }
 
 TEST(Session, CalibrationIsOfItsSession) {
@@ -99,6 +150,7 @@ TEST(Session, CalibrationIsOfItsSession) {
     reassembler.push(packet, kStart);
   }
   EXPECT_EQ(reassembler.take()->calibration->fx, 1111);
+  told(reassembler, 2);
   for (const Datagram& packet : datagrams(in_session(2, 1))) {
     reassembler.push(packet, kStart);
   }

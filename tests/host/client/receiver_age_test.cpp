@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "host/client/receiver.h"
+#include "host/client/session/session_tracker.h"
 #include "posix/datagram_batch.h"
 #include "tests/host/client/loopback_sender.h"
 #include "tests/host/client/sent_frame.h"
@@ -100,6 +101,7 @@ TEST(ReceiverAge, SaysThatTheSensorStartedAgainAndThatSomebodyForges) {
   EXPECT_FALSE(receiver.link_watch().state(Time::clock::now() + 10s).forged_traffic);
   test::FrameSpec again{.number = 1, .freshness = 1, .width = 0, .height = 0};
   again.origin.session_id = 99;
+  std::this_thread::sleep_for(SessionTracker::kSilence);
   ASSERT_EQ(sender.send(test::datagrams(again).front()), Status::kOk);
   ASSERT_TRUE(receiver.next(10s));
   EXPECT_TRUE(receiver.link().restarted);

@@ -7,6 +7,7 @@
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 #include "host/client/reassembler.h"
+#include "host/client/session/session_tracker.h"
 #include "tests/host/client/sent_frame.h"
 
 namespace stof::client {
@@ -61,9 +62,10 @@ TEST(Health, TheNewestOfTheSessionIsKept) {
 TEST(Health, EndsWithItsSession) {
   Reassembler reassembler;
   reassembler.push(health(9'000'000), kStart);
-  reassembler.push(event(1, 2), kStart);
+  const Time again = kStart + SessionTracker::kSilence;
+  reassembler.push(event(1, 2), again);
   EXPECT_FALSE(reassembler.health());
-  reassembler.push(health(10, 0, 2), kStart);
+  reassembler.push(health(10, 0, 2), again);
   ASSERT_TRUE(reassembler.health());
   EXPECT_EQ(reassembler.health()->uptime_ms, 10U);
 }
@@ -124,7 +126,7 @@ TEST(Event, EndsWithItsSession) {
   Reassembler reassembler;
   reassembler.push(event(1), kStart);
   reassembler.push(event(2), kStart);
-  reassembler.push(event(2, 2), kStart);
+  reassembler.push(event(2, 2), kStart + SessionTracker::kSilence);
   EXPECT_EQ(take_events(reassembler), (std::vector<std::uint32_t>{2}));
   EXPECT_EQ(reassembler.statistics().events_dropped, 2U);
 }

@@ -301,6 +301,7 @@ TEST(Streams, NonsenseAmongGoodPacketsIsCountedAndHarmless) {
   for (std::uint32_t number = 1; number <= 1000; ++number) {
     test::FrameSpec spec = frame_spec(number);
     spec.origin.session_id = number / 50;  // numbers may have run far ahead
+    reassembler.expect(spec.origin);
     const Coding coding = number % 2 == 0 ? Coding::kRvl : Coding::kRaw;
     for (const Datagram& packet :
          pattern_datagrams(spec, kSmall, test::every_stream(coding, true, 8))) {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <stof/stof.hpp>
 
+#include "firmware/wire/bytes.h"
 #include "tests/firmware/control/sensor.h"
 #include "tests/host/client/test_pattern.h"
 
@@ -44,8 +46,12 @@ inline void subscribe(stof::Sensor& client, Sensor& sensor) {
   ASSERT_EQ(sensor.list().count, 1U);
 }
 
-inline void send(Sensor& sensor, const std::vector<Datagram>& datagrams) {
-  for (const Datagram& datagram : datagrams) {
+// As of this sensor.
+inline void send(Sensor& sensor, std::vector<Datagram> datagrams) {
+  for (Datagram& datagram : datagrams) {
+    stof::wire::put_u32(std::span(datagram).subspan<8, 4>(), sensor.origin.device_id);
+    stof::wire::put_u32(std::span(datagram).subspan<12, 4>(), sensor.origin.session_id);
+    reseal(datagram);
     ASSERT_EQ(sensor.send(datagram), stof::Status::kOk);
   }
 }

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -85,9 +86,9 @@ TEST(LibHealth, HasTheCountersOfTheWireAndItsAge) {
 }
 
 TEST(LibLink, TellsSilenceAndARestartAsEvents) {
-  stof::test::Sensor sensor;
-  stof::Sensor client = open(sensor);
-  subscribe(client, sensor);
+  auto sensor = std::make_unique<stof::test::Sensor>();
+  stof::Sensor client = open(*sensor);
+  subscribe(client, *sensor);
   const auto wait_for = [&](std::uint32_t condition) {
     std::optional<stof::LinkEvent> event;
     for (int i = 0; i < 6000 && !(event && event->condition == condition); ++i) {
@@ -96,15 +97,17 @@ TEST(LibLink, TellsSilenceAndARestartAsEvents) {
     }
     return event && event->condition == condition ? event : std::nullopt;
   };
-  send(sensor, {calibration()});
-  send(sensor, all_streams(5));
+  send(*sensor, {calibration()});
+  send(*sensor, all_streams(5));
   const auto silent = wait_for(STOF_LINK_SILENT);
   ASSERT_TRUE(silent);
   EXPECT_EQ(silent->active, 1U);
   EXPECT_GT(silent->at_ns, 0);
-  stof::test::FrameSpec again = frame_spec(1);
-  again.origin.session_id += 1;
-  send(sensor, stof::test::datagrams(again));
+  const std::uint16_t number = sensor->number();
+  sensor.reset();
+  sensor = std::make_unique<stof::test::Sensor>(nullptr, number, /*session=*/2);
+  subscribe(client, *sensor);
+  send(*sensor, stof::test::datagrams(frame_spec(1)));
   const auto restarted = wait_for(STOF_LINK_RESTARTED);
   ASSERT_TRUE(restarted);
   EXPECT_EQ(restarted->active, 1U);

@@ -57,15 +57,15 @@ class Lenses:
         return True
 
     def forget(self):
-        """Some are enough; never that which frames name."""
-        for key in [key for key in self.lenses if key[0] != self.named][:-8]:
+        """Some are enough; never those that stand."""
+        for key in [key for key, lens in self.lenses.items() if not lens.stands][:-8]:
             del self.lenses[key]
 
-    def note_frame(self, fingerprint, now):
-        """A frame names it."""
+    def note_frame(self, fingerprint, width, height, now):
+        """A frame with depth of this size (0: without) names it."""
         anew, self.named = fingerprint != self.named, fingerprint
         for key, lens in self.lenses.items():
-            if key[0] == fingerprint:
+            if key[0] == fingerprint and (key[1:] == (width, height) or width == 0):
                 if anew:
                     lens.since, lens.frames = now, 0
                 lens.frames += 1

@@ -34,6 +34,7 @@ REACTIONS = ("none", "watch", "slow", "stop")
 DEFAULT_PORT = 7560
 LEASE_MS = 3000
 SILENCE_S = 1.0
+SESSION_SILENCE_S = 1.2
 ASK_AGAIN_S = 0.2
 
 
@@ -139,18 +140,17 @@ class Receiver:
     def __init__(self):
         self.device = None
         self.session = None
-        self.ended = set()
         self.refused = collections.Counter()
         self.reports = []  # lines about health and events, to be taken by the caller
         self.exposures = []  # lines about raw pictures, likewise
         self.counts = collections.Counter()  # of packets taken, by type
-        self.lenses = Lenses()  # also of starts before
+        self.told = None  # the session of the sensor's newest answer
+        self.heard = 0.0
         self.begin_session(None)
 
     def begin_session(self, session):
-        if self.session is not None:
-            self.ended.add(self.session)
         self.session = session
+        self.lenses = Lenses()
         self.open = {}
         self.waiting = {}  # frame number: parity packets that came before any part
         self.last_closed = None
@@ -167,10 +167,13 @@ class Receiver:
             header, payload = parse(datagram)
             if self.device is None:
                 self.device = header.device
-            if header.device != self.device or header.session in self.ended:
+            if header.device != self.device or (self.told is not None and header.session != self.told):
                 raise Refused("foreign")
             if header.session != self.session:
+                if self.session is not None and self.told is None and now - self.heard < SESSION_SILENCE_S:
+                    raise Refused("foreign")
                 self.begin_session(header.session)
+            self.heard = now
             if header.type < FIRST_OWN_COUNTING:
                 closed = self.push_part(header, payload)
                 self.last_packet = now
@@ -277,7 +280,7 @@ class Receiver:
                 if ahead(fresh, self.freshness) > 0 if self.freshness is not None else fresh != 0:
                     self.freshness = fresh
                     if frame.fingerprint is not None:
-                        self.lenses.note_frame(frame.fingerprint, self.last_packet)
+                        self.lenses.note_frame(frame.fingerprint, *frame.images.get(1, (0, 0))[:2], self.last_packet)
                     closed.append(frame)
                 else:
                     self.refused["stale frame"] += 1
@@ -294,6 +297,7 @@ class Subscription:
     def __init__(self, now, raw=0, every=1):
         self.raw = raw, every
         self.cookie = 0
+        self.session = None  # of the sensor, by its newest answer
         self.request = 0
         self.granted = 0.0  # seconds; 0: none
         self.next_at = now
@@ -322,7 +326,7 @@ class Subscription:
         if len(datagram) < HEADER.size or datagram[5] != SUBSCRIBED:
             return False
         try:
-            _, payload = parse(datagram)
+            header, payload = parse(datagram)
         except Refused:
             return False
         if len(payload) < SUBSCRIBED_PAYLOAD.size:
@@ -330,7 +334,7 @@ class Subscription:
         request, result, _, lease_ms, cookie = SUBSCRIBED_PAYLOAD.unpack_from(payload)
         if request != self.request:
             return True
-        self.cookie = cookie
+        self.cookie, self.session = cookie, header.session
         if result == 1:  # cookie
             self.next_at = now
         elif result in (0, 6, 7):  # ok; without raw pictures
@@ -381,7 +385,9 @@ def main():
             except ConnectionError:
                 continue  # nobody listens there yet
             now = time.monotonic()
-            if not (subscription and subscription.heard(datagram, now)):
+            if subscription and subscription.heard(datagram, now):
+                receiver.told = subscription.session
+            else:
                 closed = receiver.push(datagram, now)
         else:
             closed = receiver.expire(now)

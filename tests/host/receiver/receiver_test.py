@@ -183,14 +183,35 @@ class ReceiverTest(unittest.TestCase):
         self.assertEqual(taker.open, {})
 
 
+class SessionTest(unittest.TestCase):
+    def setUp(self):
+        self.receiver = receiver.Receiver()
+
+    def hear(self, session, now):
+        """The session that is listened to then."""
+        origin = wire.Origin(device_id=1, session_id=session)
+        self.receiver.push(wire.seal(wire.Header(type=wire.PacketType.HEALTH, origin=origin), wire.HealthReport().pack()), now)
+        return self.receiver.session
+
+    def test_another_one_begins_where_the_one_before_is_silent(self):
+        heard = [self.hear(session, now) for session, now in ((1, 5.0), (2, 6.0), (1, 6.1), (2, 7.2), (2, 7.4), (1, 8.0), (1, 9.0))]
+        self.assertEqual(heard, [1, 1, 1, 1, 2, 2, 1])
+
+    def test_who_asked_takes_the_one_that_answered(self):
+        self.receiver.told = 2
+        self.assertEqual([self.hear(1, 5.0), self.hear(2, 5.1), self.hear(1, 99.0)], [None, 2, 2])
+        self.receiver.told = 1
+        self.assertEqual([self.hear(2, 99.1), self.hear(1, 99.2)], [2, 1])
+
+
 class LensesTest(unittest.TestCase):
     TRUE, FORGED = 111, 444
 
     def setUp(self):
         self.lenses, self.now = lenses.Lenses(), 100.0
 
-    def say(self, fx, fingerprint=7, **fields):
-        told = wire.CalibrationPacket(image_width=4, image_height=2, fx=fx, fy=1, fingerprint=fingerprint, **fields)
+    def say(self, fx, fingerprint=7, image_width=4, **fields):
+        told = wire.CalibrationPacket(image_width=image_width, image_height=2, fx=fx, fy=1, fingerprint=fingerprint, **fields)
         return self.lenses.take(told.pack(), self.now)
 
     def stream(self, seconds, lie=lambda: None, fingerprint=7):
@@ -200,7 +221,7 @@ class LensesTest(unittest.TestCase):
             self.now += 0.1
             if k % 10 == 0:
                 self.say(self.TRUE, fingerprint)
-            self.lenses.note_frame(fingerprint, self.now)
+            self.lenses.note_frame(fingerprint, 4, 2, self.now)
             lens = self.lenses.of(fingerprint, 4, 2)
             found.append(wire.CalibrationPacket.unpack(lens).fx if lens else None)
             lie()
@@ -213,6 +234,14 @@ class LensesTest(unittest.TestCase):
         self.assertEqual(self.stream(30, lambda: self.say(self.TRUE, depth_unit_um=1000)), {self.TRUE})
         self.assertEqual(self.stream(30, lambda: self.say(self.FORGED, fingerprint=int(self.now * 10))), {self.TRUE})
 
+    def test_other_sizes_push_none_out_that_stands(self):
+        def lie():
+            for width in range(10, 42):
+                self.say(self.FORGED, image_width=width)
+            self.say(self.FORGED)
+        self.assertEqual(self.stream(5), {self.TRUE})
+        self.assertEqual(self.stream(10, lie), {self.TRUE})
+
     def test_from_the_start_neither_is_believed_and_the_true_one_when_it_is_alone(self):
         self.say(self.FORGED)
         self.assertEqual(self.stream(30, lambda: self.say(self.FORGED)), {None})
@@ -224,7 +253,7 @@ class LensesTest(unittest.TestCase):
         self.stream(5)
         self.assertTrue(self.say(self.TRUE, max_range=5, period_ns=7))
         self.assertTrue(self.say(222, fingerprint=8))
-        self.lenses.note_frame(8, self.now)
+        self.lenses.note_frame(8, 4, 2, self.now)
         self.assertIsNotNone(self.lenses.of(8, 4, 2))
 
     def test_one_that_is_gone_for_ten_seconds_gives_way(self):
@@ -232,7 +261,7 @@ class LensesTest(unittest.TestCase):
         found = []
         for _ in range(120):
             self.now += 0.1
-            self.lenses.note_frame(7, self.now)
+            self.lenses.note_frame(7, 4, 2, self.now)
             found.append(self.say(222))
         self.assertEqual((found[0], found[90], found[-1]), (False, False, True))
 

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "dsp/calib/stereo/rectification.h"
+#include "host/calibrate/rig/target/board_pose.h"
+#include "host/evaluate/owning_converter.h"
 #include "tests/host/calibrate/rig/board_views.h"
 
 namespace stof::host {
@@ -61,6 +63,29 @@ TEST(TargetCalibration, TwentyViewsWithATenthOfAPixelOfNoiseGiveTheRig) {
     EXPECT_FALSE(found.tangential) << seed;
   }
   EXPECT_LT(std::sqrt(turned), 0.03);
+}
+
+// Kernels once left registers behind in which LAPACK computes.
+TEST(TargetCalibration, ALensFollowsFromViewsBehindFramesOfAPmdCamera) {
+  dsp::PmdSensor sensor;
+  sensor.lens = {.width = 64, .height = 16, .fx = 45, .fy = 45, .cx = 32, .cy = 8};
+  OwningConverter converter(sensor);
+  const std::vector<std::uint16_t> bright(64 * 16, 1500);
+  const std::vector<std::uint16_t> dark(64 * 16, 500);
+  const dsp::ImageView<const std::uint16_t> high(bright.data(), 64, 16);
+  const dsp::ImageView<const std::uint16_t> low(dark.data(), 64, 16);
+  converter->convert(dsp::PmdSamples{high, high, low, low});
+
+  const dsp::RawPair truth = true_pair();
+  std::vector<std::vector<PixelPoint>> views;  // that are enough for LAPACK to compute their lens
+  for (const PairView& view : waved(truth, kBoard, 12, 0.1, 7)) {
+    if (!view.left.empty()) {
+      views.push_back(view.left);
+    }
+  }
+  const std::optional<dsp::Pinhole> lens = lens_of_views(kBoard, views, 640, 480);
+  ASSERT_TRUE(lens);
+  EXPECT_NEAR(lens->fx / truth.left.fx, 1, 0.01);
 }
 
 TEST(TargetCalibration, ItEndsAtTheStepAtWhichItIsAskedTo) {

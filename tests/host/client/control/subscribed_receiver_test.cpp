@@ -42,8 +42,10 @@ bool until(Receiver& receiver, Condition condition) {
   return condition();
 }
 
-void send_frame(Sensor& sensor, std::uint32_t number) {
-  for (const test::Datagram& datagram : datagrams(frame_spec(number))) {
+void send_frame(Sensor& sensor, std::uint32_t number, std::uint32_t session = 1) {
+  test::FrameSpec spec = frame_spec(number);
+  spec.origin = {.device_id = Sensor::kDevice, .session_id = session};
+  for (const test::Datagram& datagram : datagrams(spec)) {
     ASSERT_EQ(sensor.send(datagram), Status::kOk);
   }
 }
@@ -78,8 +80,24 @@ TEST(SubscribedReceiver, ComesBackWhenTheSensorStartsAnew) {
   static_cast<void>(receiver.next(50ms));
   sensor = std::make_unique<Sensor>(nullptr, number, /*session=*/2);
   ASSERT_TRUE(until(receiver, [&] { return sensor->list().count == 1; }));
-  send_frame(*sensor, 1);
+  send_frame(*sensor, 1, 2);
   EXPECT_TRUE(receiver.next(10s));
+}
+
+// A stranger who knows the sensor's number and does not see what is asked.
+TEST(SubscribedReceiver, BelievesNoSessionThatNoAnswerNamed) {
+  Sensor sensor;
+  Receiver receiver = open(sensor);
+  ASSERT_TRUE(
+      until(receiver, [&] { return receiver.subscription() == Subscription::State::kActive; }));
+  send_frame(sensor, 1, 77);
+  send_frame(sensor, 1);
+  const Result<Frame> frame = receiver.next(10s);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->origin.session_id, 1U);
+  EXPECT_EQ(receiver.statistics().sessions, 1U);
+  EXPECT_EQ(receiver.statistics().foreign, 13U);
+  EXPECT_TRUE(receiver.link().forged_traffic);
 }
 
 TEST(SubscribedReceiver, TheFourthOfAHostKnowsWhyNothingComes) {
@@ -119,7 +137,7 @@ TEST(SubscribedReceiver, OfSignedStreamsSaysThatNoKeyIsKnown) {
   ReceiverOptions options;
   options.subscription.signed_streams = true;
   wire::Key key = test::numbered_key(4, wire::Role::kView);
-  key.device = 0x51;  // the sensor's
+  key.device = Sensor::kDevice;
   ASSERT_EQ(options.subscription.keys.add(key), Status::kOk);
   Receiver receiver = open(sensor, options);
   EXPECT_FALSE(receiver.link().no_key);
