@@ -30,6 +30,11 @@ const char* unwritten_text(int error) noexcept {
                         : "its output cannot be written: make room, or send it elsewhere";
 }
 
+void say_aside(const std::string& line) {
+  std::fprintf(stderr, "%s\n", line.c_str());
+  std::fflush(stderr);
+}
+
 void say_text(const std::string& text) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
     refuse_output();

@@ -12,6 +12,8 @@ namespace stof::host {
 void say(const std::string& line);
 // The same for a text that has its ends of lines.
 void say_text(const std::string& text);
+// A line on stderr, at once: where stdout holds JSON, what nobody should learn at its end only.
+void say_aside(const std::string& line);
 
 // Why what was to be printed could not be, and what to do, by errno.
 const char* unwritten_text(int error) noexcept;

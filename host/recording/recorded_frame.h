@@ -16,6 +16,7 @@ namespace stof::recording {
 class RecordedFrame {
  public:
   std::uint64_t log_time = 0;
+  std::uint32_t file = 1;  // of files one behind the other
   wire::Origin origin{};
   wire::FrameStamp stamp{};
   std::optional<wire::FrameInfo> info{};

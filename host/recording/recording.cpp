@@ -90,10 +90,11 @@ void read_in_order(StreamReader& reader, const mcap::Progress& progress, Summary
     }
   }
   summary.index = reader.index();
-  summary.end = reader.end();
-  summary.indexed = reader.indexed();
+  summary.state.end = reader.end();
+  summary.state.indexed = reader.indexed();
+  summary.state.files = reader.files();
   summary.damaged_bytes = reader.damaged_bytes();
-  if (summary.end != StreamReader::End::kWhole) {
+  if (summary.state.end != StreamReader::End::kWhole) {
     summary.whole_bytes = reader.whole_until();
   }
 }
@@ -128,6 +129,7 @@ std::expected<Summary, Problem> summarise(const std::filesystem::path& file,
   if (!reader) {
     return in_file(file, reader.error());
   }
+  summary.state.being_written = source->is_locked();
   read_in_order(*reader, progress, summary);
   return summary;
 }
@@ -145,6 +147,13 @@ std::expected<FrameReader, Problem> FrameReader::open(const std::filesystem::pat
   return FrameReader(std::move(kept), std::move(*reader));
 }
 
+std::optional<RecordedFrame> FrameReader::of_its_file(std::optional<RecordedFrame> frame) const {
+  if (frame) {
+    frame->file = file_;
+  }
+  return frame;
+}
+
 std::optional<RecordedFrame> FrameReader::next() {
   while (true) {
     const auto item = reader_.next();
@@ -153,17 +162,28 @@ std::optional<RecordedFrame> FrameReader::next() {
       continue;
     }
     if (!*item) {
-      return frames_.end();
+      return of_its_file(frames_.end());
     }
     const auto* const message = std::get_if<mcap::Message>(&**item);
     const std::optional<Topic> topic =
         message != nullptr ? topic_of(reader_.index(), message->channel_id) : std::nullopt;
     if (topic) {
-      if (auto frame = frames_.take(*topic, *message)) {
+      auto frame = of_its_file(frames_.take(*topic, *message));
+      if (topic == Topic::kFrameInfo) {  // with which the next frame begins
+        file_ = reader_.files();
+      }
+      if (frame) {
         return frame;
       }
     }
   }
+}
+
+FileState FrameReader::state() const noexcept {
+  return {.indexed = reader_.indexed(),
+          .end = reader_.end(),
+          .being_written = being_written_,
+          .files = reader_.files()};
 }
 
 }  // namespace stof::recording

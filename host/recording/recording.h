@@ -31,9 +31,16 @@ struct Gap {
   std::uint64_t log_time = 0;  // of the frame behind
 };
 
-struct Summary {
-  bool indexed = false;  // sound, and names what is there
+// Whether a file is whole, once it was read.
+struct FileState {
+  bool indexed = true;  // sound, and names what is there
   mcap::StreamReader::End end = mcap::StreamReader::End::kWhole;
+  bool being_written = false;  // by another program, when it was opened
+  std::uint32_t files = 1;     // one behind the other
+};
+
+struct Summary {
+  FileState state{};
   std::uint64_t bytes = 0;
   std::uint64_t whole_bytes = 0;    // without what is cut
   std::uint64_t damaged = 0;        // records or chunks that could not be read
@@ -62,6 +69,8 @@ class FrameReader {
   std::optional<RecordedFrame> next();
   std::uint64_t damaged() const noexcept { return damaged_ + frames_.damaged(); }
   std::uint64_t damaged_bytes() const noexcept { return reader_.damaged_bytes(); }
+  // Once next() gave nothing.
+  FileState state() const noexcept;
   // Bytes of the file that were read, of all.
   std::uint64_t position() const noexcept { return reader_.position(); }
   std::uint64_t size() const { return source_->size(); }
@@ -71,12 +80,18 @@ class FrameReader {
 
  private:
   FrameReader(std::unique_ptr<mcap::FileSource> source, mcap::StreamReader&& reader)
-      : source_(std::move(source)), reader_(std::move(reader)) {}
+      : source_(std::move(source)),
+        reader_(std::move(reader)),
+        being_written_(source_->is_locked()) {}
+
+  std::optional<RecordedFrame> of_its_file(std::optional<RecordedFrame> frame) const;
 
   std::unique_ptr<mcap::FileSource> source_;
   mcap::StreamReader reader_;
   FrameAssembler frames_;
   std::uint64_t damaged_ = 0;  // records
+  bool being_written_;
+  std::uint32_t file_ = 1;  // of the frame that is being put together
 };
 
 }  // namespace stof::recording

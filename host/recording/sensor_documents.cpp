@@ -15,15 +15,15 @@ bool ready(const std::future<SensorDocuments>& future) {
   return future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
-// By which frames name them.
-std::uint32_t fingerprint_of(const std::string& document) {
-  return wire::crc32c(std::as_bytes(std::span(document)));
-}
 std::uint32_t fingerprint_of_file(const std::string& file) {
   return wire::calibration_fingerprint(std::as_bytes(std::span(file)));
 }
 
 }  // namespace
+
+std::uint32_t fingerprint_of(const std::string& document) {
+  return wire::crc32c(std::as_bytes(std::span(document)));
+}
 
 SensorDocuments read_documents(client::ControlClient& sensor, bool calibration) {
   SensorDocuments documents;
@@ -47,11 +47,23 @@ SensorDocuments read_documents(client::ControlClient& sensor, bool calibration) 
 
 void DocumentWatch::know(const SensorDocuments& documents) {
   if (!documents.settings.empty()) {
-    known_settings_.insert(fingerprint_of(documents.settings));
+    keep_settings(fingerprint_of(documents.settings), documents.settings);
   }
   if (!documents.calibration.empty()) {
     known_calibrations_.insert(fingerprint_of_file(documents.calibration));
   }
+}
+
+void DocumentWatch::keep_settings(std::uint32_t fingerprint, std::string document) {
+  if (known_settings_.size() >= kMostSettings) {
+    known_settings_.clear();
+  }
+  known_settings_[fingerprint] = std::move(document);
+}
+
+std::string DocumentWatch::settings(std::uint32_t fingerprint) const {
+  const auto known = known_settings_.find(fingerprint);
+  return known == known_settings_.end() ? std::string() : known->second;
 }
 
 void DocumentWatch::note(std::uint32_t settings, std::uint32_t calibration) {
@@ -81,8 +93,13 @@ std::optional<SensorDocuments> DocumentWatch::take(bool wait) {
     documents = reading_.get();
   }
   if (!documents.settings.empty()) {
-    const bool fresh = known_settings_.insert(fingerprint_of(documents.settings)).second;
-    documents.settings = fresh ? std::move(documents.settings) : std::string();
+    const std::uint32_t fingerprint = fingerprint_of(documents.settings);
+    if (settings(fingerprint).empty()) {
+      keep_settings(fingerprint, documents.settings);
+    } else {
+      documents.settings.clear();
+    }
+    documents.no_settings = "they changed again before they could be read";
   }
   if (!documents.calibration.empty()) {
     const bool fresh =
@@ -90,7 +107,11 @@ std::optional<SensorDocuments> DocumentWatch::take(bool wait) {
     documents.calibration = fresh ? std::move(documents.calibration) : std::string();
   }
   // What was changed again meanwhile nobody gives any more; nor is a silent sensor asked forever.
-  known_settings_.insert(wanted_settings_);
+  if (wanted_settings_ == 0 || known_settings_.contains(wanted_settings_)) {
+    documents.no_settings.clear();
+  } else {
+    keep_settings(wanted_settings_, {});
+  }
   known_calibrations_.insert(wanted_calibration_);
   return documents;
 }

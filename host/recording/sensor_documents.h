@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <future>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -19,13 +21,16 @@ struct SensorDocuments {
   std::string no_calibration{};  // why
 };
 
+// By which frames name settings.
+std::uint32_t fingerprint_of(const std::string& document);
+
 // Blocks for as long as the answers take, a few seconds where there are none.
 SensorDocuments read_documents(client::ControlClient& sensor, bool calibration);
 // The same of whoever is recorded, from any thread; the calibration's file, too, where it is true.
 using ReadDocuments = std::function<SensorDocuments(bool calibration)>;
 
-// Reads them again, beside whoever receives, each time a frame was made with others. For one
-// thread.
+// Reads them again, beside whoever receives, each time a frame was made with others, and keeps the
+// settings that were read. For one thread.
 class DocumentWatch {
  public:
   // read: none: nobody can be asked. calibration: its file is read, too.
@@ -36,14 +41,26 @@ class DocumentWatch {
   void know(const SensorDocuments& documents);
   // A frame was made with these; 0: not told.
   void note(std::uint32_t settings, std::uint32_t calibration);
-  // What came since the last call and is not known yet, with empty texts for the rest. wait: until
-  // what is being read has come.
+  // What came since the last call and is not known yet, with empty texts for the rest; no_settings
+  // says why those of wanted() did not come. wait: until what is being read has come.
   std::optional<SensorDocuments> take(bool wait = false);
 
+  // The document that frames name so; empty: it was not read.
+  std::string settings(std::uint32_t fingerprint) const;
+  bool knows_calibration(std::uint32_t fingerprint) const {
+    return known_calibrations_.contains(fingerprint);
+  }
+  // Settings that were asked for last.
+  std::uint32_t wanted() const noexcept { return wanted_settings_; }
+
  private:
+  static constexpr std::size_t kMostSettings = 64;  // then all are forgotten, and asked for again
+
+  void keep_settings(std::uint32_t fingerprint, std::string document);
+
   ReadDocuments read_;
   bool calibration_;
-  std::set<std::uint32_t> known_settings_;  // fingerprints, and those that nobody has any more
+  std::map<std::uint32_t, std::string> known_settings_;  // empty: nobody has them any more
   std::set<std::uint32_t> known_calibrations_;
   std::uint32_t wanted_settings_ = 0;
   std::uint32_t wanted_calibration_ = 0;

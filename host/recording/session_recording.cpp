@@ -1,5 +1,7 @@
 #include "host/recording/session_recording.h"
 
+#include <array>
+#include <cstdio>
 #include <utility>
 
 #include "firmware/wire/frame/raw_packets.h"
@@ -7,6 +9,15 @@
 #include "host/recording/told_lenses.h"
 
 namespace stof::recording {
+namespace {
+
+std::string fingerprint_text(std::uint32_t fingerprint) {
+  std::array<char, 9> text{};
+  std::snprintf(text.data(), text.size(), "%08x", fingerprint);
+  return text.data();
+}
+
+}  // namespace
 
 SessionRecording::SessionRecording(Recorder& recorder, Options options, SensorDocuments documents)
     : recorder_(recorder),
@@ -19,6 +30,7 @@ void SessionRecording::take(const client::Frame& frame, const std::string& place
   if (!origin_ || origin_->session_id != frame.origin.session_id) {
     origin_ = frame.origin;
     calibration_.reset();
+    settings_ = 0;
     raw_begun_ = false;
     put_sensor(frame, place, time);
   }
@@ -35,13 +47,14 @@ void SessionRecording::take(const client::Frame& frame, const std::string& place
     append_calibration(messages, beside, time);
   }
   if (frame.info) {
+    follow_settings(frame.info->settings_fingerprint, time);
     watch_.note(frame.info->settings_fingerprint, frame.info->calibration_fingerprint);
   }
   append_frame(messages, frame, time);
   if (recorder_.put(std::move(messages))) {
-    ++frames_;
+    ++counts_.frames;
   } else if (!recorder_.failed()) {
-    ++dropped_;
+    ++counts_.dropped;
     calibration_.reset();  // it may have been among them
   }
 }
@@ -58,10 +71,10 @@ void SessionRecording::take(const client::RawExposure& exposure) {
   TopicMessages messages;
   append_raw(messages, exposure, clock_.at(exposure.last_packet));
   if (recorder_.put(std::move(messages))) {
-    ++exposures_;
-    lost_pictures_ += exposure.complete() ? 0U : 1U;
+    ++counts_.exposures;
+    counts_.lost_pictures += exposure.complete() ? 0U : 1U;
   } else if (!recorder_.failed()) {
-    ++dropped_;
+    ++counts_.dropped;
   }
 }
 
@@ -97,12 +110,41 @@ void SessionRecording::take_documents(bool wait) {
   if (!documents->calibration.empty()) {
     put_calibration(documents->calibration, clock_.now());
   }
+  if (!documents->no_settings.empty()) {
+    tell_unread_settings(documents->no_settings);
+  }
+}
+
+// What is read already goes before the frame that was made with it: after a restart, and where
+// settings are again what they were.
+void SessionRecording::follow_settings(std::uint32_t fingerprint, std::uint64_t time) {
+  if (fingerprint == 0 || fingerprint == settings_) {
+    return;
+  }
+  if (const std::string document = watch_.settings(fingerprint); !document.empty()) {
+    put_settings(document, time);
+  }
+}
+
+// The first ones that a session misses, so that nobody can fill a disk with it.
+void SessionRecording::tell_unread_settings(const std::string& reason) {
+  constexpr const char* kUnread = "settings_not_read";
+  if (!begun() || metadata_.entries.contains(kUnread)) {
+    return;
+  }
+  metadata_.entries[kUnread] = fingerprint_text(watch_.wanted()) + ": " + reason;
+  if (settings_ == 0) {
+    metadata_.entries["settings"] = reason;
+  }
+  recorder_.put(mcap::Metadata(metadata_));
 }
 
 void SessionRecording::put_settings(const std::string& document, std::uint64_t time) {
   TopicMessages messages;
   append_settings(messages, document, time);
-  recorder_.put(std::move(messages));
+  if (recorder_.put(std::move(messages))) {
+    settings_ = fingerprint_of(document);
+  }
 }
 
 void SessionRecording::put_calibration(const std::string& file, std::uint64_t time) {
@@ -112,30 +154,48 @@ void SessionRecording::put_calibration(const std::string& file, std::uint64_t ti
   recorder_.put(std::move(attachment));
 }
 
+// Where the settings are that a session began with.
+std::string SessionRecording::settings_text(const client::Frame& frame) const {
+  if (!documents_.settings.empty()) {
+    return std::string("attachment ") + kSettingsAttachment;
+  }
+  const std::uint32_t fingerprint = frame.info ? frame.info->settings_fingerprint : 0;
+  if (!watch_.settings(fingerprint).empty()) {
+    return "fingerprint " + fingerprint_text(fingerprint) + ": on its topic";
+  }
+  return documents_.no_settings;
+}
+
+std::string SessionRecording::calibration_text(const client::Frame& frame) const {
+  if (!documents_.calibration.empty()) {
+    return std::string("attachment ") + kCalibrationAttachment;
+  }
+  const std::uint32_t fingerprint = frame.info ? frame.info->calibration_fingerprint : 0;
+  if (watch_.knows_calibration(fingerprint)) {
+    return "fingerprint " + fingerprint_text(fingerprint) + ": attached in an earlier session";
+  }
+  return documents_.no_calibration;
+}
+
 // Metadata of the session, and the settings that it began with.
 void SessionRecording::put_sensor(const client::Frame& frame, const std::string& place,
                                   std::uint64_t time) {
-  mcap::Metadata metadata{
-      .name = kSensorMetadata,
-      .entries = {{"program", options_.program},
-                  {"device_id", std::to_string(frame.origin.device_id)},
-                  {"session_id", std::to_string(frame.origin.session_id)},
-                  {"sensor", options_.sensor},
-                  {"place", place},
-                  {"signed", options_.is_signed ? "yes" : "no"},
-                  {"sensor_clock", client::clock_text(frame.stamp.clock)},
-                  {"log_time",
-                   "wall clock of the recording computer at the start, which goes on "
-                   "by its monotonic clock"},
-                  {"settings", documents_.settings.empty()
-                                   ? documents_.no_settings
-                                   : std::string("attachment ") + kSettingsAttachment}}};
+  metadata_ = {.name = kSensorMetadata,
+               .entries = {{"program", options_.program},
+                           {"device_id", std::to_string(frame.origin.device_id)},
+                           {"session_id", std::to_string(frame.origin.session_id)},
+                           {"sensor", options_.sensor},
+                           {"place", place},
+                           {"signed", options_.is_signed ? "yes" : "no"},
+                           {"sensor_clock", client::clock_text(frame.stamp.clock)},
+                           {"log_time",
+                            "wall clock of the recording computer at the start, which goes on "
+                            "by its monotonic clock"},
+                           {"settings", settings_text(frame)}}};
   if (options_.raw) {
-    metadata.entries["calibration"] = documents_.calibration.empty()
-                                          ? documents_.no_calibration
-                                          : std::string("attachment ") + kCalibrationAttachment;
+    metadata_.entries["calibration"] = calibration_text(frame);
   }
-  recorder_.put(std::move(metadata));
+  recorder_.put(mcap::Metadata(metadata_));
   watch_.know(documents_);
   if (!documents_.calibration.empty()) {
     put_calibration(documents_.calibration, time);
@@ -147,8 +207,11 @@ void SessionRecording::put_sensor(const client::Frame& frame, const std::string&
     mcap::append_bytes(attachment.data, mcap::bytes_of(documents_.settings));
     recorder_.put(std::move(attachment));
   }
-  documents_ = {.no_settings = "of an earlier session: see its attachment",
-                .no_calibration = "of an earlier session: see its attachment"};
+  if (options_.read) {
+    constexpr const char* kLater = "read while it was recorded: see its topic";
+    documents_ = {.no_settings = kLater,
+                  .no_calibration = "read while it was recorded: see its attachment"};
+  }
 }
 
 }  // namespace stof::recording

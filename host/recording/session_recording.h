@@ -43,13 +43,24 @@ class SessionRecording {
   // An exposure that is recorded has come.
   bool raw_begun() const { return raw_begun_; }
   bool begun() const { return origin_.has_value(); }  // a frame has come
-  std::uint64_t frames() const { return frames_; }
-  std::uint64_t dropped() const { return dropped_; }  // frames and exposures, by a slow disk
-  std::uint64_t exposures() const { return exposures_; }
-  std::uint64_t lost_pictures() const { return lost_pictures_; }  // exposures that miss some
+  std::uint64_t frames() const { return counts_.frames; }
+  std::uint64_t dropped() const { return counts_.dropped; }
+  std::uint64_t exposures() const { return counts_.exposures; }
+  std::uint64_t lost_pictures() const { return counts_.lost_pictures; }
 
  private:
+  struct Counts {
+    std::uint64_t frames = 0;
+    std::uint64_t exposures = 0;
+    std::uint64_t lost_pictures = 0;  // exposures that miss some
+    std::uint64_t dropped = 0;        // frames and exposures, by a slow disk
+  };
+
   void take_documents(bool wait);
+  void follow_settings(std::uint32_t fingerprint, std::uint64_t time);
+  void tell_unread_settings(const std::string& reason);
+  std::string settings_text(const client::Frame& frame) const;
+  std::string calibration_text(const client::Frame& frame) const;
   void put_settings(const std::string& document, std::uint64_t time);
   void put_calibration(const std::string& file, std::uint64_t time);
   void put_sensor(const client::Frame& frame, const std::string& place, std::uint64_t time);
@@ -60,14 +71,13 @@ class SessionRecording {
   DocumentWatch watch_;
   LogClock clock_;
   std::optional<wire::Origin> origin_;  // of the session that is recorded
+  mcap::Metadata metadata_;             // likewise
+  std::uint32_t settings_ = 0;          // fingerprint of the newest document of the session
   std::optional<wire::CalibrationPacket> calibration_;
   std::optional<std::uint64_t> uptime_ms_;  // of the health that was recorded last
   std::uint32_t health_session_ = 0;        // likewise
   bool raw_begun_ = false;                  // in this session
-  std::uint64_t exposures_ = 0;
-  std::uint64_t lost_pictures_ = 0;
-  std::uint64_t frames_ = 0;
-  std::uint64_t dropped_ = 0;
+  Counts counts_;
 };
 
 }  // namespace stof::recording

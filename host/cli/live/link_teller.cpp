@@ -45,6 +45,7 @@ std::string LinkTeller::look(const client::LinkState& link,
   if (link.restarted && !told && begun_) {
     ++restarts_;
     changes_.push_back({.text = "link: the sensor started again" + told_health,
+                        .state = "restarted",
                         .severity = wire::Severity::kMinor,
                         .active = true});
   }
@@ -54,6 +55,7 @@ std::string LinkTeller::look(const client::LinkState& link,
     if (link.silent && !std::exchange(silence_told_, true)) {
       told_silences_ = silences_;
       changes_.push_back({.text = silence(link) + told_health,
+                          .state = "silent",
                           .severity = wire::Severity::kMajor,
                           .active = true});
     }
@@ -61,13 +63,14 @@ std::string LinkTeller::look(const client::LinkState& link,
   if (begun_ && link.forged_traffic && !std::exchange(forged_, link.forged_traffic)) {
     changes_.push_back({.text = "link: forged traffic: somebody speaks in the sensor's name, or it "
                                 "is faulty; what was found out is not believed",
+                        .state = "forged_traffic",
                         .severity = wire::Severity::kMajor,
                         .active = true});
   }
   forged_ = link.forged_traffic;
   if (silence_told_ && !silent_ && now - sends_since_ >= kSettled) {
     silence_told_ = false;
-    changes_.push_back({.text = sends_again(silences_ - told_silences_)});
+    changes_.push_back({.text = sends_again(silences_ - told_silences_), .state = "sends_again"});
   }
   std::string lines;
   for (const Change& change : changes_) {

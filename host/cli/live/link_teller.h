@@ -26,7 +26,8 @@ class LinkTeller {
   static constexpr client::Duration kSettled = std::chrono::seconds(1);
 
   struct Change {
-    std::string text{};  // one line
+    std::string text{};      // one line
+    const char* state = "";  // in JSON: silent, restarted, forged_traffic, sends_again
     wire::Severity severity = wire::Severity::kInfo;
     bool active = false;  // it began
   };

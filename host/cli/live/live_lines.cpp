@@ -1,14 +1,12 @@
 #include "host/cli/live/live_lines.h"
 
-#include <cstdio>
-
 #include "host/cli/output.h"
 
 namespace stof::host {
 
 void LiveLines::note(const std::string& line) const {
   if (aside_) {
-    std::fprintf(stderr, "%s\n", line.c_str());
+    say_aside(line);
   } else {
     say(line);
   }

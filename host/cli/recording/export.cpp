@@ -19,6 +19,7 @@
 #include "host/cli/progress_line.h"
 #include "host/cli/recording/damage_text.h"
 #include "host/cli/recording/exporters.h"
+#include "host/cli/recording/reading_progress.h"
 #include "host/cli/sensor/find_sensor.h"
 #include "host/cli/sensor_text.h"
 #include "host/recording/frame_messages.h"
@@ -29,22 +30,27 @@ namespace stof::host {
 namespace {
 
 struct ExportCounts {
-  std::uint64_t frames = 0;
+  std::uint64_t frames = 0;  // that came, or that the file holds and --frames takes
   std::uint64_t exported = 0;
   std::uint64_t damaged = 0;
   std::uint64_t damaged_bytes = 0;
 };
 
-void print_counts(const ExportOptions& options, const ExportCounts& counts) {
+// link: of a sensor.
+void print_counts(const ExportOptions& options, const ExportCounts& counts,
+                  const LinkTeller* link) {
   if (options.json) {
-    const nlohmann::ordered_json json{
-        {is_recorded(options.sensor) ? "file" : "sensor", options.sensor},
-        {"to", options.to.string()},
-        {"as", options.as},
-        {"frames", counts.frames},
-        {"exported", counts.exported},
-        {"damaged", counts.damaged},
-        {"damaged_bytes", counts.damaged_bytes}};
+    nlohmann::ordered_json json{{is_recorded(options.sensor) ? "file" : "sensor", options.sensor},
+                                {"to", options.to.string()},
+                                {"as", options.as},
+                                {"frames", counts.frames},
+                                {"exported", counts.exported},
+                                {"damaged", counts.damaged},
+                                {"damaged_bytes", counts.damaged_bytes}};
+    if (link != nullptr) {
+      json["silences"] = link->silences();
+      json["restarts"] = link->restarts();
+    }
     say_json(json);
   } else {
     say(printed("wrote %llu of %llu frames to %s", static_cast<unsigned long long>(counts.exported),
@@ -87,19 +93,19 @@ class MadeFolder {
 
 // Tells what was exported, also where a file could not be written after others were.
 // rescue: as Exporter's.
-void told_also_when_it_fails(const ExportOptions& options, ExportCounts& counts,
-                             const std::function<void()>& work,
-                             const std::function<std::uint64_t(std::uint64_t)>& rescue) {
+void told_also_when_it_fails(ExportCounts& counts, const std::function<void()>& work,
+                             const std::function<std::uint64_t(std::uint64_t)>& rescue,
+                             const std::function<void()>& tell) {
   try {
     work();
   } catch (const Failure&) {
     counts.exported = rescue(counts.exported);
     if (counts.exported != 0) {
-      print_counts(options, counts);
+      tell();
     }
     throw;
   }
-  print_counts(options, counts);
+  tell();
 }
 
 // What a sensor sends, as it comes.
@@ -117,6 +123,12 @@ class LiveExport {
                                    if (!options_.json) {
                                      progress_.clear();
                                      say(line);
+                                   }
+                                 },
+                             .change =
+                                 [this](const LinkTeller::Change& change) {
+                                   if (options_.json) {
+                                     say_aside(change.text);
                                    }
                                  }}),
         progress_(options.sensor, options.json) {}
@@ -139,6 +151,7 @@ class LiveExport {
     }
   }
   ExportCounts& counts() { return counts_; }
+  void tell() const { print_counts(options_, counts_, &reception_.link()); }
   std::uint64_t rescue(std::uint64_t exported) {
     return exporter_ ? exporter_->rescue(exported) : exported;
   }
@@ -168,8 +181,8 @@ class LiveExport {
     }
     if (options_.frames == 0 || counts_.frames < options_.frames) {
       const ExportStamp stamp{.index = counts_.frames, .log_time = clock_.at(frame.last_packet)};
-      counts_.exported += exporter_->add(frame, stamp) ? 1U : 0U;
       ++counts_.frames;
+      counts_.exported += exporter_->add(frame, stamp) ? 1U : 0U;
       progress_.show(counts_.frames, options_.frames);
     }
   }
@@ -190,9 +203,25 @@ void export_sensor(const ExportOptions& options) {
   const MadeFolder folder(options.to);
   LiveExport session(options);
   told_also_when_it_fails(
-      options, session.counts(), [&] { session.run(); },
-      [&](std::uint64_t exported) { return session.rescue(exported); });
+      session.counts(), [&] { session.run(); },
+      [&](std::uint64_t exported) { return session.rescue(exported); }, [&] { session.tell(); });
   session.judge();
+}
+
+void note_damage(const recording::FrameReader& reader, ExportCounts& counts) {
+  counts.damaged = reader.damaged();
+  counts.damaged_bytes = reader.damaged_bytes();
+}
+
+// After a file could not be written: of how many frames some were.
+void count_rest(const ExportOptions& options, recording::FrameReader& reader,
+                ExportCounts& counts) {
+  ReadingProgress progress(options.sensor, options.json);
+  while ((options.frames == 0 || counts.frames < options.frames) && reader.next()) {
+    ++counts.frames;
+    progress.show(reader.position(), reader.size());
+  }
+  note_damage(reader, counts);
 }
 
 void export_recording(const ExportOptions& options) {
@@ -210,17 +239,22 @@ void export_recording(const ExportOptions& options) {
           break;
         }
         const ExportStamp stamp{.index = counts.frames, .log_time = frame->log_time};
-        counts.exported += exporter->add(frame->view(), stamp) ? 1U : 0U;
         ++counts.frames;
+        counts.exported += exporter->add(frame->view(), stamp) ? 1U : 0U;
         progress.show(counts.frames, reader.position(), reader.size());
       }
     }
     exporter->finish(reader.sights());
-    counts.damaged = reader.damaged();
-    counts.damaged_bytes = reader.damaged_bytes();
+    note_damage(reader, counts);
   };
-  told_also_when_it_fails(options, counts, work,
-                          [&](std::uint64_t exported) { return exporter->rescue(exported); });
+  const auto rescue = [&](std::uint64_t exported) {
+    const std::uint64_t kept = exporter->rescue(exported);
+    if (kept != 0) {
+      count_rest(options, reader, counts);
+    }
+    return kept;
+  };
+  told_also_when_it_fails(counts, work, rescue, [&] { print_counts(options, counts, nullptr); });
   if (reader.lenses().contradict()) {
     throw Failure(Exit::kFailure, file + ": " + lenses_contradict_text());
   }

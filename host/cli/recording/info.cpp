@@ -11,6 +11,7 @@
 #include "host/cli/json_output.h"
 #include "host/cli/output.h"
 #include "host/cli/recording/damage_text.h"
+#include "host/cli/recording/file_state.h"
 #include "host/cli/recording/reading_progress.h"
 #include "host/cli/sensor/find_sensor.h"
 #include "host/cli/sensor/sensor_info.h"
@@ -41,21 +42,6 @@ std::string time_text(std::uint64_t nanoseconds) {
   return text.data();
 }
 
-const char* state_text(const recording::Summary& summary) {
-  if (summary.damaged != 0) {
-    return "damaged: stof recover FILE OUT writes what is sound";
-  }
-  switch (summary.end) {
-    case mcap::StreamReader::End::kWhole:
-      return summary.indexed ? "whole, with index"
-                             : "ends, but its index is damaged: stof recover FILE";
-    case mcap::StreamReader::End::kDamaged:
-      return "damaged at its end: stof recover FILE";
-    default:
-      return "cut: stof recover FILE";
-  }
-}
-
 std::uint64_t count_of(const recording::Summary& summary, std::uint16_t channel) {
   const auto& counts = summary.index.statistics.messages_by_channel;
   const auto found = counts.find(channel);
@@ -71,7 +57,7 @@ std::string schema_of(const recording::Summary& summary, const mcap::Channel& ch
 
 std::string info_text(const std::string& file, const recording::Summary& summary) {
   const mcap::Statistics& all = summary.index.statistics;
-  std::string text = file + ": " + state_text(summary) + "\n";
+  std::string text = file + ": " + file_state_text(summary.state, summary.damaged) + "\n";
   text += all.message_count == 0
               ? std::string("  no messages")
               : printed("  %.1f s from %s", seconds_of(all), time_text(all.start_time).c_str());
@@ -123,8 +109,8 @@ std::string info_json(const std::string& file, const recording::Summary& summary
   using Json = nlohmann::ordered_json;
   const mcap::Statistics& all = summary.index.statistics;
   Json json{{"file", file},
-            {"indexed", summary.indexed},
-            {"state", state_text(summary)},
+            {"indexed", summary.state.indexed},
+            {"state", file_state_text(summary.state, summary.damaged)},
             {"bytes", summary.bytes},
             {"whole_bytes", summary.whole_bytes},
             {"damaged", summary.damaged},

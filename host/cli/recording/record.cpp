@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <memory>
 #include <system_error>
 
 #include <nlohmann/json.hpp>
@@ -58,7 +59,7 @@ class Recording {
       if (const std::string change =
               teller_.look(receiver_.link(), receiver_.health(), client::Time::clock::now());
           !change.empty()) {
-        say(change);
+        options_.json ? say_aside(change) : say(change);
       }
       const client::Time now = client::Time::clock::now();
       silent_ = frames_stay_away(receiver_, began, options_.timeout_s, now);
@@ -76,12 +77,14 @@ class Recording {
   // Settings that are still asked for, at the end.
   void finish() { session_.finish(); }
 
+  std::uint64_t received() const { return received_; }  // frames
   std::uint64_t frames() const { return session_.frames(); }
   std::uint64_t exposures() const { return session_.exposures(); }
   std::uint64_t lost_pictures() const { return session_.lost_pictures(); }
   std::uint64_t dropped() const { return session_.dropped(); }
   // Exposures of which a camera gave nothing: they are recorded as they are.
   std::uint64_t without_a_camera() const { return without_a_camera_; }
+  const LinkTeller& link() const { return teller_; }
   wire::ClockState clock() const { return clock_; }  // of the last frame
   // Less than was asked for.
   bool short_of() const {
@@ -139,6 +142,7 @@ class Recording {
       }
     }
     clock_ = frame->stamp.clock;
+    ++received_;
     session_.take(*frame, receiver_.place());
   }
 
@@ -179,6 +183,7 @@ class Recording {
   recording::SessionRecording session_;
   client::Time began_;
   client::Time counting_since_;
+  std::uint64_t received_ = 0;
   std::uint64_t without_a_camera_ = 0;
   wire::ClockState clock_ = wire::ClockState::kMonotonic;
   bool silent_ = false;
@@ -186,20 +191,33 @@ class Recording {
 
 void print_json(const RecordOptions& options, const Recording& session,
                 const recording::Recorder::Ended& ended) {
-  nlohmann::ordered_json json{
-      {"file", options.file.string()},
-      {"frames", ended.frames},
-      {"frames_not_written", session.frames() + session.dropped() - ended.frames},
-      {"messages", ended.statistics.message_count},
-      {"bytes", ended.bytes},
-      {"whole", !ended.problem.has_value()},
-      {"indexed", ended.indexed}};
+  nlohmann::ordered_json json{{"file", options.file.string()},
+                              {"frames", ended.frames},
+                              {"frames_not_written", session.received() - ended.frames},
+                              {"messages", ended.statistics.message_count},
+                              {"bytes", ended.bytes},
+                              {"whole", ended.indexed},
+                              {"indexed", ended.indexed},
+                              {"silences", session.link().silences()},
+                              {"restarts", session.link().restarts()}};
   if (options.raw) {
     json["raw_exposures"] = session.exposures();
     json["raw_incomplete"] = session.lost_pictures();
     json["raw_without_a_camera"] = session.without_a_camera();
   }
   say_json(json);
+}
+
+std::string written_line(const RecordOptions& options, const Recording& session,
+                         const recording::Recorder::Ended& ended) {
+  const std::uint64_t left_out = session.received() - ended.frames;
+  return printed("wrote %s: %llu frames, %llu messages, %.1f MB", options.file.c_str(),
+                 static_cast<unsigned long long>(ended.frames),
+                 static_cast<unsigned long long>(ended.statistics.message_count),
+                 static_cast<double>(ended.bytes) / kMegabyte) +
+         (left_out == 0 ? ""
+                        : printed("; %llu frames that came are not in it",
+                                  static_cast<unsigned long long>(left_out)));
 }
 
 void judge(const RecordOptions& options, client::Receiver& receiver, const Recording& session,
@@ -262,6 +280,17 @@ recording::SensorDocuments documents_of(const RecordOptions& options) {
   return documents;
 }
 
+// Where the disk takes nothing no file is left.
+std::unique_ptr<recording::Recorder> recorder_of(mcap::FileSink& sink,
+                                                 const RecordOptions& options) {
+  auto recorder = recording::Recorder::start(sink, {.library = options.program});
+  if (!recorder) {
+    std::error_code none;
+    std::filesystem::remove(options.file, none);
+  }
+  return value_or_fail(std::move(recorder));
+}
+
 // All that the cameras give, of each frame, from a state that begins anew.
 wire::RawRequest raw_request(const RecordOptions& options) {
   return options.raw ? wire::RawRequest{.pictures = wire::kRawPictures | wire::kRawAnew}
@@ -276,7 +305,7 @@ void record(const RecordOptions& options) {
   auto sink = value_or_fail(
       mcap::FileSink::open(meant.file, meant.force ? mcap::FileSink::Existing::kReplace
                                                    : mcap::FileSink::Existing::kRefuse));
-  auto recorder = value_or_fail(recording::Recorder::start(sink, {.library = meant.program}));
+  auto recorder = recorder_of(sink, meant);
   // Ends the file; one that holds nothing of what was asked for goes again.
   const auto finish = [&] {
     recording::Recorder::Ended ended = recorder->finish();
@@ -303,10 +332,7 @@ void record(const RecordOptions& options) {
         session.say(std::to_string(session.without_a_camera()) +
                     " exposures lack what a camera did not give: they are recorded without it");
       }
-      session.say(printed("wrote %s: %llu frames, %llu messages, %.1f MB", meant.file.c_str(),
-                          static_cast<unsigned long long>(ended.frames),
-                          static_cast<unsigned long long>(ended.statistics.message_count),
-                          static_cast<double>(ended.bytes) / kMegabyte));
+      session.say(written_line(meant, session, ended));
     }
     if (meant.json && ended.frames != 0) {
       print_json(meant, session, ended);

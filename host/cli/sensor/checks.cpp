@@ -8,6 +8,7 @@
 #include "host/cli/live/link_teller.h"
 #include "host/cli/receive.h"
 #include "host/cli/recording/damage_text.h"
+#include "host/cli/recording/file_state.h"
 #include "host/cli/sensor_text.h"
 #include "host/client/sensor_socket.h"
 #include "host/client/value_names.h"
@@ -164,9 +165,19 @@ Check check_buffers(const CheckFacts& facts) {
   return check;
 }
 
-std::string loss_fix(const CheckFacts& facts) {
+constexpr double kTolerable = 0.01;  // of the frames
+
+// Frames came late, all of them.
+std::string silence_fix(const CheckFacts& facts) {
+  return "the sensor, the network or this computer stood still; stof health " + sensor_of(facts) +
+         " tells of the sensor, and radio may stand still for moments";
+}
+
+// share: of the frames that were lost.
+std::string loss_fix(const CheckFacts& facts, double share) {
   const client::Statistics& counts = facts.stats.counts;
-  if (facts.stats.damage.value_or(Damage{}).records != 0) {
+  const bool some_lost = counts.frames_lost + counts.frames_incomplete != 0;
+  if (some_lost && facts.stats.damage.value_or(Damage{}).records != 0) {
     return "what is damaged in the file counts as lost: see file";
   }
   if (counts.socket_drops != 0) {
@@ -175,14 +186,16 @@ std::string loss_fix(const CheckFacts& facts) {
   if (counts.bad_crc + counts.truncated != 0) {
     return "packets are damaged on the way: another cable, another switch port";
   }
-  if (counts.frames_lost + counts.frames_incomplete == 0) {
-    return "no frame was lost on the way: the sensor, the network or this computer stood still; "
-           "stof health " +
-           sensor_of(facts) + " tells of the sensor, and radio may stand still for moments";
+  if (!some_lost) {
+    return "no frame was lost on the way: " + silence_fix(facts);
+  }
+  if (facts.stats.silences != 0 && share <= kTolerable) {
+    return "few frames were lost, silence is what counts: " + silence_fix(facts);
   }
   return "stof config " + sensor_of(facts) +
          " set streams.parity=true mends single losses; a cable in place of radio, or fewer "
-         "streams (streams.*=off)";
+         "streams (streams.*=off)" +
+         (facts.stats.silences == 0 ? "" : "; of the silence: " + silence_fix(facts));
 }
 
 // Of a recording: nothing but what is sound in it is looked at.
@@ -192,6 +205,20 @@ Check check_file(const CheckFacts& facts) {
     check.verdict = CheckVerdict::kFix;
     check.found = damage_text(damage.records, damage.bytes);
     check.fix = "stof recover FILE OUT writes what is sound";
+  } else if (damage.state.end != mcap::StreamReader::End::kWhole) {
+    check.verdict = CheckVerdict::kNote;
+    check.found = damage.state.being_written
+                      ? "another program writes it: it is not whole yet"
+                      : "it was cut: what came behind its last whole record is not there";
+    check.fix = damage.state.being_written ? "" : "stof recover FILE gives it its index";
+  } else if (!damage.state.indexed) {
+    check.verdict = CheckVerdict::kNote;
+    check.found = "its index is damaged, and no other record";
+    check.fix = "stof recover FILE writes it anew";
+  }
+  if (const recording::FileState& state = facts.stats.damage.value_or(Damage{}).state;
+      state.files > 1) {
+    check.found += "; " + files_text(state);
   }
   return check;
 }
@@ -203,7 +230,6 @@ Check check_link(const CheckFacts& facts) {
   const double lost = static_cast<double>(counts.frames_lost + counts.frames_incomplete);
   const double all = lost + static_cast<double>(counts.frames_complete);
   const double share = all > 0 ? lost / all : 1;
-  constexpr double kTolerable = 0.01;  // of the frames
   check.found = printed("%.0f of %.0f frames lost or not whole", lost, all) +
                 (figures.rate_hz() ? printed(", %.1f frames a second", *figures.rate_hz()) : "") +
                 (facts.stats.silences != 0 ? printed(", %u %s silent", facts.stats.silences,
@@ -212,7 +238,7 @@ Check check_link(const CheckFacts& facts) {
   if (lost > 0 || facts.stats.silences != 0) {
     check.verdict =
         share > kTolerable || facts.stats.silences != 0 ? CheckVerdict::kFix : CheckVerdict::kNote;
-    check.fix = loss_fix(facts);
+    check.fix = loss_fix(facts, share);
   }
   if (facts.network.speed_mbit && figures.seconds() > 0) {
     constexpr double kMostShare = 0.7;

@@ -62,9 +62,9 @@ void print(const HealthOptions& options, const HealthState& state) {
   }
 }
 
-void tell(const HealthOptions& options, const wire::EventReport& event) {
+void tell(const HealthOptions& options, const std::string& source, const wire::EventReport& event) {
   if (options.json) {
-    say_json_line(event_json(options.sensor, event));
+    say_json_line(event_json(source, event));
   } else {
     say(event_line(event));
   }
@@ -76,7 +76,7 @@ void receive_health(const HealthOptions& options) {
   Reception reception(options, {.event =
                                     [&](const wire::EventReport& event) {
                                       if (options.seconds > 0) {
-                                        tell(options, event);
+                                        tell(options, reception.place(), event);
                                       }
                                     },
                                 .line =
@@ -88,7 +88,7 @@ void receive_health(const HealthOptions& options) {
                                 .change =
                                     [&](const LinkTeller::Change& change) {
                                       if (options.json && options.seconds > 0) {
-                                        say_json_line(change_json(options.sensor, change));
+                                        say_json_line(change_json(reception.place(), change));
                                       }
                                     }});
   reception.run(
@@ -211,9 +211,7 @@ nlohmann::ordered_json event_json(const std::string& source, const wire::EventRe
 }
 
 nlohmann::ordered_json change_json(const std::string& source, const LinkTeller::Change& change) {
-  const char* const begun = change.severity == wire::Severity::kMajor ? "silent" : "restarted";
-  const char* const state = change.active ? begun : "sends_again";
-  return {{"source", source}, {"link", {{"state", state}, {"text", change.text}}}};
+  return {{"source", source}, {"link", {{"state", change.state}, {"text", change.text}}}};
 }
 
 void add_health(CLI::App& app, HealthOptions& options) {

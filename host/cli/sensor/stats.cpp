@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
@@ -10,6 +11,7 @@
 #include "host/cli/live/reception.h"
 #include "host/cli/output.h"
 #include "host/cli/recording/damage_text.h"
+#include "host/cli/recording/file_state.h"
 #include "host/cli/recording/reading_progress.h"
 #include "host/cli/recording/recorded_link.h"
 #include "host/cli/sensor/find_sensor.h"
@@ -102,9 +104,15 @@ StreamStats stats_of_file(const std::string& file, bool json) {
   StreamStats stats{.source = file};
   std::optional<wire::Origin> origin;
   std::uint32_t number = 0;
+  std::uint32_t file_number = 1;
   RecordedLink link;
   ReadingProgress progress(file, json);
   while (const std::optional<recording::RecordedFrame> frame = reader.next()) {
+    if (frame->file != std::exchange(file_number, frame->file)) {
+      stats.figures.begin_anew();
+      stats.silences += std::exchange(link, RecordedLink()).silences();
+      origin.reset();
+    }
     stats.figures.take(frame->view(), static_cast<double>(frame->log_time) / 1e9);
     ++(frame->missing_packets == 0 ? stats.counts.frames_complete : stats.counts.frames_incomplete);
     stats.counts.packets_missing += frame->missing_packets;
@@ -123,8 +131,9 @@ StreamStats stats_of_file(const std::string& file, bool json) {
     number = frame->stamp.number;
     progress.show(reader.position(), reader.size());
   }
-  stats.silences = link.silences();
-  stats.damage = Damage{.records = reader.damaged(), .bytes = reader.damaged_bytes()};
+  stats.silences += link.silences();
+  stats.damage =
+      Damage{.records = reader.damaged(), .bytes = reader.damaged_bytes(), .state = reader.state()};
   if (stats.figures.frames() == 0) {
     throw Failure(Exit::kFailure, file + ": holds no frame" + damage_behind(stats) +
                                       ": stof info says what it holds");
@@ -147,6 +156,11 @@ std::string stats_text(const StreamStats& stats) {
   if (stats.damage && stats.damage->records != 0) {
     line("file", damage_text(stats.damage->records, stats.damage->bytes) +
                      ": what lies in them counts as lost");
+  } else if (stats.damage && !is_whole(stats.damage->state)) {
+    line("file", file_state_text(stats.damage->state, 0));
+  }
+  if (stats.damage && stats.damage->state.files > 1) {
+    line("files", files_text(stats.damage->state));
   }
   line("interval, ms", spread_text(figures.interval_ms()));
   line("latency, ms", spread_text(figures.latency_ms()) +
@@ -184,7 +198,10 @@ nlohmann::ordered_json stats_json(const StreamStats& stats) {
           {"silences", stats.silences},
           {"restarts", stats.restarts},
           {"damaged", stats.damage ? Json(stats.damage->records) : Json(nullptr)},
-          {"damaged_bytes", stats.damage ? Json(stats.damage->bytes) : Json(nullptr)}};
+          {"damaged_bytes", stats.damage ? Json(stats.damage->bytes) : Json(nullptr)},
+          {"state", stats.damage ? Json(file_state_text(stats.damage->state, stats.damage->records))
+                                 : Json(nullptr)},
+          {"files", stats.damage ? Json(stats.damage->state.files) : Json(nullptr)}};
 }
 
 void add_stats(CLI::App& app, StatsOptions& options) {

@@ -16,10 +16,11 @@ struct StatsOptions : ReceiveOptions {
   bool json = false;
 };
 
-// Of a file: what could not be read.
+// Of a file: what could not be read, and whether it is whole.
 struct Damage {
   std::uint64_t records = 0;
   std::uint64_t bytes = 0;
+  recording::FileState state{};
 };
 
 // What a stream came to, of a sensor or of a recording.

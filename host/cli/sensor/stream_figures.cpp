@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <utility>
 
 #include "host/cli/view/status_line.h"
 #include "host/evaluate/stereo/median.h"
@@ -62,7 +63,7 @@ constexpr std::array<NamedCount, 19> kPacketCounts{{
 }  // namespace
 
 void StreamFigures::take(const client::Frame& frame, double arrived_s) {
-  if (frames_ == 0) {
+  if (std::exchange(begins_, false)) {
     oldest_s_ = arrived_s;
   } else {
     intervals_ms_.push_back(1e3 * (arrived_s - newest_s_));
@@ -92,8 +93,17 @@ void StreamFigures::take(const client::Frame& frame, double arrived_s) {
   newest_stamp_ns_ = stamp_ns;
 }
 
+void StreamFigures::begin_anew() noexcept {
+  earlier_s_ = seconds();
+  oldest_s_ = newest_s_;
+  streams_ += begins_ ? 0U : 1U;
+  begins_ = true;
+  origin_.reset();
+}
+
 std::optional<double> StreamFigures::rate_hz() const {
-  return seconds() > 0 ? std::optional(static_cast<double>(frames_ - 1) / seconds()) : std::nullopt;
+  return seconds() > 0 ? std::optional(static_cast<double>(frames_ - streams_) / seconds())
+                       : std::nullopt;
 }
 
 std::optional<Spread> StreamFigures::interval_ms() const { return spread_of(intervals_ms_); }

@@ -26,9 +26,13 @@ class StreamFigures {
   // arrived_s: of the last packet, by any clock that does not step, seconds.
   void take(const client::Frame& frame, double arrived_s);
 
+  // What follows is another stream: no time from one to the other counts.
+  void begin_anew() noexcept;
+
   std::uint64_t frames() const noexcept { return frames_; }
-  double seconds() const noexcept { return newest_s_ - oldest_s_; }  // from first to last arrival
-  std::optional<double> rate_hz() const;  // of arrivals; none with fewer than two frames
+  // From first to last arrival, of each stream.
+  double seconds() const noexcept { return earlier_s_ + (newest_s_ - oldest_s_); }
+  std::optional<double> rate_hz() const;  // of arrivals; none with fewer than two frames of one
   // All in milliseconds. Between two arrivals.
   std::optional<Spread> interval_ms() const;
   // From the middle of the exposure to the arrival of the last packet, where both clocks are one.
@@ -41,6 +45,9 @@ class StreamFigures {
 
  private:
   std::uint64_t frames_ = 0;
+  std::uint64_t streams_ = 1;
+  bool begins_ = true;    // the next frame begins a stream
+  double earlier_s_ = 0;  // of the streams before
   double oldest_s_ = 0;
   double newest_s_ = 0;
   double coverage_ = 0;  // sum

@@ -18,7 +18,7 @@ constexpr double kPutPatienceS = 15;  // without an answer
 constexpr double kReadPatienceS = 0.5;
 constexpr double kVerdictWaitS = 240;
 constexpr std::size_t kMostReleases = 50;
-constexpr const char* kUnderWay = "an update is under way";
+constexpr const char* kUpdateUnderWay = "an update is under way";
 
 std::vector<viewer::ReleaseFile> releases_in(const std::filesystem::path& folder) {
   std::vector<viewer::ReleaseFile> files;
@@ -121,7 +121,7 @@ PageUpdate::Task::Done PageUpdate::put(const viewer::Page& page, const ShownSens
                            ": choose one of the list");
   }
   return task_.start(
-      page, kUnderWay,
+      page, kUpdateUnderWay,
       [&file](viewer::UpdateState& state) {
         state.step = "sending";
         state.file = file;
@@ -137,7 +137,7 @@ PageUpdate::Task::Done PageUpdate::revert(const viewer::Page& page, const ShownS
     return may;
   }
   return task_.start(
-      page, kUnderWay,
+      page, kUpdateUnderWay,
       [](viewer::UpdateState& state) {
         state.step = "restarting";
         state.file.clear();

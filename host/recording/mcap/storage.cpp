@@ -156,6 +156,14 @@ std::expected<void, Problem> FileSource::lock(const std::filesystem::path& file)
   return is_free(fd_) ? std::expected<void, Problem>() : in_use(file);
 }
 
+bool FileSource::is_locked() const {
+  if (flock(fd_.get(), LOCK_SH | LOCK_NB) != 0) {
+    return errno == EWOULDBLOCK;
+  }
+  flock(fd_.get(), LOCK_UN);
+  return false;
+}
+
 bool FileSource::read(std::uint64_t offset, std::span<std::byte> to) const {
   if (offset > size_ || to.size() > size_ - offset) {
     return false;

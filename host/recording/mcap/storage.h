@@ -73,6 +73,9 @@ class FileSource : public ByteSource {
   static std::expected<FileSource, Problem> open(const std::filesystem::path& file);
   // Refuses where a FileSink writes the file; keeps others from it while this lives.
   std::expected<void, Problem> lock(const std::filesystem::path& file);
+  // Whether a FileSink writes it, or a lock() is held, now. Whoever wants one in this very moment
+  // may be refused.
+  bool is_locked() const;
   std::uint64_t size() const override { return size_; }
   bool read(std::uint64_t offset, std::span<std::byte> to) const override;
 

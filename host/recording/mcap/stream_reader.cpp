@@ -180,6 +180,7 @@ std::expected<void, Problem> StreamReader::judge_unknown() {
     std::array<std::byte, kMagic.size()> before{};
     if (source_->read(record_.offset - before.size(), before) &&
         std::ranges::equal(before, std::as_bytes(std::span(kMagic)))) {
+      ++files_;
       return {};  // of a file behind the first one
     }
   }

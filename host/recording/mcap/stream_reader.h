@@ -65,6 +65,8 @@ class StreamReader {
     return definitions_.as_in_file() && !index_check_.names_what_is_absent() && !unreadable_ &&
            !search_.gave_up();
   }
+  // Files that were begun, one behind the other: 1, mostly.
+  std::uint32_t files() const noexcept { return files_; }
   // Bytes of the file that were read.
   std::uint64_t position() const noexcept { return at_; }
   const Header& header() const noexcept { return header_; }
@@ -106,6 +108,7 @@ class StreamReader {
   bool unreadable_ = false;  // a chunk that is not damaged
   std::uint64_t damaged_bytes_ = 0;
   std::uint64_t unpacked_bytes_ = 0;  // of all chunks
+  std::uint32_t files_ = 1;
   End end_ = End::kNotYet;
   std::uint64_t at_ = 0;
   std::uint64_t whole_until_ = 0;

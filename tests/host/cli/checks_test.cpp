@@ -242,6 +242,42 @@ TEST(Checks, SayThatAFileIsDamaged) {
   EXPECT_EQ(check_of(facts, "file").verdict, CheckVerdict::kFix);
   EXPECT_NE(check_of(facts, "file").found.find("2 records"), std::string::npos);
   EXPECT_EQ(check_of(facts, "link").fix.find("parity"), std::string::npos);
+  facts.stats.counts.frames_lost = 0;
+  facts.stats.silences = 1;
+  EXPECT_NE(check_of(facts, "link").fix.find("stood still"), std::string::npos);
+}
+
+TEST(Checks, SayThatAFileWasCutOrIsBeingWritten) {
+  CheckFacts facts = good();
+  facts.recorded = true;
+  Damage cut;
+  cut.state = {.indexed = false, .end = mcap::StreamReader::End::kCut};
+  facts.stats.damage = cut;
+  EXPECT_EQ(check_of(facts, "file").verdict, CheckVerdict::kNote);
+  EXPECT_NE(check_of(facts, "file").found.find("it was cut"), std::string::npos);
+  EXPECT_NE(check_of(facts, "file").fix.find("stof recover FILE"), std::string::npos);
+  facts.stats.damage->state.being_written = true;
+  EXPECT_EQ(check_of(facts, "file").verdict, CheckVerdict::kNote);
+  EXPECT_NE(check_of(facts, "file").found.find("another program writes it"), std::string::npos);
+  EXPECT_EQ(check_of(facts, "file").fix, "") << "recover is refused meanwhile";
+  facts.stats.damage->state = {.indexed = false};
+  EXPECT_NE(check_of(facts, "file").found.find("its index is damaged"), std::string::npos);
+}
+
+TEST(Checks, LetSilenceAloneBeNoMatterOfLosses) {
+  CheckFacts facts = good();
+  facts.recorded = true;
+  facts.stats.counts.frames_complete = 264;
+  facts.stats.counts.frames_incomplete = 1;  // 0.4 percent
+  facts.stats.silences = 2;
+  const Check few = check_of(facts, "link");
+  EXPECT_EQ(few.verdict, CheckVerdict::kFix);
+  EXPECT_EQ(few.fix.find("parity"), std::string::npos) << few.fix;
+  EXPECT_NE(few.fix.find("stood still"), std::string::npos) << few.fix;
+  facts.stats.counts.frames_incomplete = 10;
+  const Check many = check_of(facts, "link");
+  EXPECT_NE(many.fix.find("parity"), std::string::npos) << many.fix;
+  EXPECT_NE(many.fix.find("stood still"), std::string::npos) << many.fix;
 }
 
 TEST(Checks, OfARecordingAreThoseThatItTells) {

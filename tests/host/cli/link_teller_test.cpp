@@ -56,6 +56,8 @@ TEST(LinkTeller, TellsForgedTrafficWhenItBegins) {
   for (int time = 0; time < 2; ++time) {
     link.forged_traffic = true;
     EXPECT_TRUE(teller.look(link, kGood, kStart).starts_with("link: forged traffic"));
+    ASSERT_EQ(teller.changes().size(), 1U);
+    EXPECT_STREQ(teller.changes().front().state, "forged_traffic");
     EXPECT_EQ(teller.look(link, kGood, kStart), "");
     link.forged_traffic = false;
     EXPECT_EQ(teller.look(link, kGood, kStart), "");

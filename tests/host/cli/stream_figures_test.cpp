@@ -49,6 +49,21 @@ TEST(StreamFigures, WhatTheSensorDidNotMeasureIsNoNumber) {
   EXPECT_EQ(figures.compute_ms()->mean, 1);
 }
 
+TEST(StreamFigures, NothingIsMeasuredFromOneStreamToTheNext) {
+  StreamFigures figures;
+  for (int time = 0; time < 2; ++time) {  // the same recording, twice
+    figures.begin_anew();
+    for (int k = 0; k < 11; ++k) {
+      figures.take(frame_of(1, k * 100'000'000LL), 10 + k * 0.1);
+    }
+  }
+  EXPECT_EQ(figures.frames(), 22U);
+  EXPECT_NEAR(figures.seconds(), 2.0, 1e-9);
+  EXPECT_NEAR(*figures.rate_hz(), 10.0, 1e-9);
+  EXPECT_NEAR(figures.interval_ms()->mean, 100, 1e-6);
+  EXPECT_EQ(figures.stamps_back(), 0U);
+}
+
 TEST(StreamFigures, AFirstFrameAloneHasNoRate) {
   StreamFigures figures;
   figures.take(frame_of(1, 0), 10);

@@ -213,7 +213,8 @@ class Sensors(verbs.Program):
                 os.mkfifo(fifth)  # is not written to
                 ended = self.stof("export", self.recording, "--to", folder, "--as", how, "--json")
                 self.refused(ended, 1, fifth.name)
-                self.assertEqual(json.loads(ended.stdout)["exported"], 4)
+                told = json.loads(ended.stdout)
+                self.assertEqual((told["exported"], told["frames"]), (4, json.loads(self.stof("info", self.recording, "--json").stdout)["frames"]))
                 if how == "tum":
                     self.assertEqual(len((folder / "depth.txt").read_text().splitlines()), 5)
         (self.folder / "early_csv").mkdir()

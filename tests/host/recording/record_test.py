@@ -8,7 +8,9 @@ import json
 import os
 import pathlib
 import random
+import re
 import resource
+import select
 import signal
 import struct
 import subprocess
@@ -171,6 +173,50 @@ class Record(unittest.TestCase):
         self.assertTrue(info["indexed"])
         self.assertGreater(info["frames"], 0)
 
+    def test_full_disk_names_the_frames_that_are_not_in_the_file(self):
+        limit = 2_500_000
+        full = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+        file = self.folder / "full_json.mcap"
+        ended = self.stof("record", self.place, file, "--frames", 1000, "--json", preexec_fn=full)
+        told = json.loads(ended.stdout)
+        info = json.loads(self.succeed("info", file, "--json"))
+        self.assertEqual((ended.returncode, told["whole"], info["state"]), (1, True, "whole, with index"), ended.stderr)
+        self.assertEqual(told["frames"], info["frames"])
+        self.assertGreater(told["frames_not_written"], 0)
+        file = self.folder / "full_text.mcap"
+        ended = self.stof("record", self.place, file, "--frames", 1000, preexec_fn=full)
+        left_out = re.search(r"wrote .*: (\d+) frames, .*; (\d+) frames that came are not in it", ended.stdout)
+        received = re.search(r"(\d+) frames received", ended.stdout)
+        self.assertTrue(left_out and received, ended.stdout)
+        self.assertEqual(int(received[1]), int(left_out[1]) + int(left_out[2]), ended.stdout)
+
+    def test_silence_is_told_at_once_also_beside_json(self):
+        sensor, place = self.start_sensor("standing")
+        self.addCleanup(sensor.wait)
+        self.addCleanup(sensor.kill)
+        for words in (("record", place, "standing.mcap"), ("export", place, "--to", "standing", "--as", "csv")):
+            with self.subTest(words[0]):
+                receiving = subprocess.Popen([*COMMAND, *words, "--json", "--timeout", "60"], cwd=self.folder, stdout=subprocess.PIPE,
+                                             stderr=subprocess.PIPE, text=True)
+                self.addCleanup(receiving.kill)
+                told = []
+                for _ in range(20):  # on a busy computer no frame may have come yet
+                    time.sleep(2)
+                    sensor.send_signal(signal.SIGSTOP)
+                    told, _, _ = select.select([receiving.stderr], [], [], 5)
+                    sensor.send_signal(signal.SIGCONT)
+                    if told:
+                        break
+                self.assertTrue(told)
+                self.assertIn("link: the sensor is silent, its last frame is ", receiving.stderr.readline())
+                self.assertIn("link: the sensor sends again", receiving.stderr.readline())
+                receiving.send_signal(signal.SIGINT)
+                said, errors = receiving.communicate(timeout=120)
+                self.assertEqual(receiving.returncode, 0, errors)
+                answer = json.loads(said)
+                self.assertGreaterEqual(answer["silences"], 1)
+                self.assertEqual(answer["restarts"], 0)
+
     def test_disk_that_holds_no_frame_leaves_no_file(self):
         file = self.folder / "tiny.mcap"
         self.refuse(1, "no frame was kept", "record", self.place, file, "--frames", 1000,
@@ -191,6 +237,7 @@ class Record(unittest.TestCase):
             self.refuse(2, "dangling.mcap: is a link: a link is not written through", "record", nobody, link, *force)
         empty = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
         self.refuse(2, "make room", "record", nobody, self.folder / "r.mcap", preexec_fn=empty)
+        self.assertFalse((self.folder / "r.mcap").exists(), "the same command has to work once there is room")
         for verb in ("info", "recover"):
             self.refuse(2, "does not exist", verb, self.folder / "absent")
             self.refuse(2, "is not a file", verb, self.folder)
@@ -292,6 +339,32 @@ class Record(unittest.TestCase):
         self.refuse(2, "--force", "recover", self.whole, out)
         self.refuse(2, "name it", "recover", self.whole, "--force")
 
+    def test_cut_recording_is_told_by_check_and_stats(self):
+        file = self.cut("told.mcap", self.whole.stat().st_size - 20)
+        checks = {one["name"]: one for one in json.loads(self.stof("check", file, "--json").stdout)["checks"]}
+        self.assertEqual(checks["file"]["verdict"], "note", checks)
+        self.assertIn("stof recover FILE", checks["file"]["fix"])
+        self.assertIn("cut: stof recover FILE", self.succeed("stats", file))
+        self.assertEqual(json.loads(self.succeed("stats", file, "--json"))["state"], "cut: stof recover FILE")
+        self.assertNotIn("  file ", self.succeed("stats", self.whole))
+
+    def test_two_recordings_in_one_file_are_not_measured_as_one(self):
+        file = self.folder / "two.mcap"
+        file.write_bytes(2 * self.whole.read_bytes())
+        one = json.loads(self.succeed("stats", self.whole, "--json"))
+        ended = self.stof("stats", file, "--json")
+        two = json.loads(ended.stdout)
+        self.assertEqual((ended.returncode, two["files"], two["damaged"]), (1, 2, 1), ended.stderr)
+        self.assertEqual(two["received_frames"], 2 * one["received_frames"])
+        self.assertAlmostEqual(two["seconds"], 2 * one["seconds"], 6)
+        self.assertAlmostEqual(two["rate_hz"], one["rate_hz"], 6)
+        self.assertAlmostEqual(two["interval_ms"]["longest"], one["interval_ms"]["longest"], 6)
+        self.assertEqual((two["restarts"], two["frames"]["lost"]), (0, 2 * one["frames"]["lost"]))
+        checks = {one["name"]: one for one in json.loads(self.stof("check", file, "--json").stdout)["checks"]}
+        self.assertIn("2 recordings lie in it, one behind the other", checks["file"]["found"])
+        self.assertNotIn("stamps go back", checks["clock"]["found"])
+        self.assertIn("2 recordings lie in it", self.stof("stats", file).stdout)
+
     def test_recording_without_a_sound_frame_says_why(self):
         file = self.damaged("none.mcap", *(begin + length - 5 for begin, length in self.chunks()))
         self.refuse(1, "records in it are damaged", "export", file, "--to", "nothing", "--as", "ply")
@@ -329,6 +402,7 @@ class Record(unittest.TestCase):
                 break
         self.refuse(2, "being written", "record", self.place, file, "--force", "--frames", 1)
         self.refuse(2, "being written", "recover", file)
+        self.assertEqual(json.loads(self.succeed("info", file, "--json"))["state"], "not whole yet: another program writes it")
         recording.send_signal(signal.SIGINT)
         recording.communicate(timeout=60)
         self.assertEqual(recording.returncode, 0)

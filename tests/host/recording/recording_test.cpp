@@ -321,7 +321,7 @@ TEST_F(RecordingTest, SummaryCountsFramesAndGaps) {
   const auto file = write({10, 11, 15, 16, 20});
   const auto summary = recording::summarise(file);
   ASSERT_TRUE(summary);
-  EXPECT_TRUE(summary->indexed);
+  EXPECT_TRUE(summary->state.indexed);
   EXPECT_EQ(summary->frames, 5U);
   EXPECT_EQ(summary->incomplete_frames, 5U);
   EXPECT_EQ(summary->frames_missing, 6U);
@@ -337,7 +337,7 @@ TEST_F(RecordingTest, SummaryCountsFramesAndGaps) {
   std::filesystem::resize_file(file, std::filesystem::file_size(file) - 1);
   const auto cut = recording::summarise(file);
   ASSERT_TRUE(cut);
-  EXPECT_FALSE(cut->indexed);
+  EXPECT_FALSE(cut->state.indexed);
   EXPECT_EQ(cut->frames, 5U);
   EXPECT_EQ(cut->gaps.size(), 2U);
   EXPECT_EQ(cut->sensor, summary->sensor);
