@@ -45,6 +45,11 @@ class DocumentWatch {
   // says why those of wanted() did not come. wait: until what is being read has come.
   std::optional<SensorDocuments> take(bool wait = false);
 
+  // Another start of the sensor may tell what an earlier one did not.
+  void forget_unread() {
+    std::erase_if(known_settings_, [](const auto& one) { return one.second.empty(); });
+  }
+
   // The document that frames name so; empty: it was not read.
   std::string settings(std::uint32_t fingerprint) const;
   bool knows_calibration(std::uint32_t fingerprint) const {

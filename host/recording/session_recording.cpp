@@ -32,6 +32,7 @@ void SessionRecording::take(const client::Frame& frame, const std::string& place
     calibration_.reset();
     settings_ = 0;
     raw_begun_ = false;
+    watch_.forget_unread();
     put_sensor(frame, place, time);
   }
   TopicMessages messages;

@@ -48,6 +48,7 @@ class RecordedSettings : public test::Scratch {
     session_->finish();
   }
   void falls_silent(const char* reason) { sensor_ = {.no_settings = reason}; }
+  void answers_again() { sensor_ = {}; }
 
   // Ends the file and reads it: the documents, and the newest one at each frame.
   void end() {
@@ -128,6 +129,19 @@ TEST_F(RecordedSettings, ThatNobodyTellsAreSaidToBeMissing) {
   EXPECT_EQ(metadata_.back().at("session_id"), "6");
   EXPECT_EQ(metadata_.back().at("settings"), "it does not answer");
   EXPECT_NE(metadata_.back().at("settings_not_read").find("it does not answer"), std::string::npos);
+}
+
+TEST_F(RecordedSettings, ThatNobodyToldAreAskedForAgainInANewSession) {
+  falls_silent("it does not answer");
+  begin();
+  frame(5, kFar);
+  answers_again();
+  frame(5, kFar);
+  frame(6, kFar);
+  end();
+  EXPECT_EQ(documents_, (std::vector<std::string>{kFar}));
+  EXPECT_EQ(metadata_.back().at("session_id"), "6");
+  EXPECT_FALSE(metadata_.back().contains("settings_not_read"));
 }
 
 TEST_F(RecordedSettings, OfASensorThatIsNotAskedAreNotSaidToBeThere) {
