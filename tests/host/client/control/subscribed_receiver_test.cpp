@@ -133,7 +133,7 @@ TEST(SubscribedReceiver, ASlowCallerKeepsItsLease) {
 }
 
 TEST(SubscribedReceiver, OfSignedStreamsSaysThatNoKeyIsKnown) {
-  Sensor sensor;
+  const Sensor sensor;
   ReceiverOptions options;
   options.subscription.signed_streams = true;
   wire::Key key = test::numbered_key(4, wire::Role::kView);
