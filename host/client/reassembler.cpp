@@ -195,7 +195,7 @@ void Reassembler::count(MessageOutcome outcome) {
 void Reassembler::start_session() {
   drop_open();
   ++statistics_.sessions;
-  statistics_.events_dropped += messages_.restart(session_.current_is_told());
+  statistics_.events_dropped += messages_.restart(session_.outlasts());
   sequence_ = {};
   delay_.restart();
   closed_count_ = 0;

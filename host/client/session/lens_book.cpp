@@ -30,10 +30,10 @@ bool LensBook::same(const wire::CalibrationPacket& one,
   return compared == other || one.fingerprint == 0;
 }
 
-void LensBook::restart(bool told) noexcept {
+void LensBook::restart(bool outlasts) noexcept {
   named_.reset();
   for (std::optional<Entry>& entry : entries_) {
-    if (!told) {
+    if (!outlasts) {
       entry.reset();
     } else if (entry) {
       entry->told = 0;

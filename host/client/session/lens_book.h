@@ -21,7 +21,7 @@ namespace stof::client {
 //  - Before that nobody can say which of the two is the lie: neither is believed, until one of them
 //    was alone for 3 seconds and 3 frames; after 10 of both it stands. Frames have no lens so long.
 // A sensor sends its own once a second, or with each frame where those are rarer. What was learned
-// outlasts a session that the sensor itself told, for a fingerprint does. Where a fingerprint is
+// outlasts a start that the sensor itself told, for a fingerprint does. Where a fingerprint is
 // not told (0) all is believed. Other image sizes than frames have push nothing out.
 // No clock: times are the caller's.
 class LensBook {
@@ -35,9 +35,9 @@ class LensBook {
   // place of another of the same size.
   explicit LensBook(bool units_change = false) noexcept : units_change_(units_change) {}
 
-  // A session begins: none was told in it. told: by the sensor itself; else the one before may have
-  // been somebody else's, and nothing is known.
-  void restart(bool told) noexcept;
+  // A session begins: none was told in it. outlasts: what was learned before it; else that may be
+  // of somebody else, and nothing is known.
+  void restart(bool outlasts) noexcept;
 
   // One that arrived then; false: it contradicts another. late: one that was sent after it arrived
   // before, it changes nothing of period and range.

@@ -33,7 +33,7 @@ bool is_period(std::int64_t period_ns) noexcept {
 
 }  // namespace
 
-std::size_t SessionMessages::restart(bool told) {
+std::size_t SessionMessages::restart(bool outlasts) {
   const std::size_t untaken = events_in_ - events_out_;
   raw_.restart();
   RawAssembler raw = std::move(raw_);  // its counts are the receiver's
@@ -42,7 +42,7 @@ std::size_t SessionMessages::restart(bool told) {
   *this = SessionMessages();
   raw_ = std::move(raw);
   lenses_ = lenses;
-  lenses_.restart(told);
+  lenses_.restart(outlasts);
   lies_ = lies;
   return untaken;
 }

@@ -37,9 +37,9 @@ class SessionMessages {
   explicit SessionMessages(std::size_t most_raw_pixels = 0, bool units_change = false)
       : lenses_(units_change), raw_(most_raw_pixels) {}
 
-  // A session begins. told: by the sensor itself; else what was learned of lenses may be somebody
-  // else's, and is forgotten. Returns the events that nobody took.
-  std::size_t restart(bool told);
+  // A session begins. outlasts: what was learned of lenses (SessionTracker::outlasts()), which is
+  // forgotten else. Returns the events that nobody took.
+  std::size_t restart(bool outlasts);
 
   // frames: of the same session; a calibration tells the number of the frame it was sent beside.
   // period: that it tells, also where its lens is not believed; none: it is none of now.

@@ -11,7 +11,7 @@ bool same(const wire::Origin& one, const wire::Origin& other) noexcept {
 
 SessionTracker::Verdict SessionTracker::judge(const wire::Origin& origin, bool proven, Time now) {
   const bool told = proven || (expected_ && same(*expected_, origin));
-  if ((device_id_ && *device_id_ != origin.device_id) || (expected_ && !told)) {
+  if (expected_ ? !told : device_id_ && *device_id_ != origin.device_id) {
     refuse(origin, now);
     return Verdict::kForeign;
   }
@@ -22,6 +22,7 @@ SessionTracker::Verdict SessionTracker::judge(const wire::Origin& origin, bool p
       return Verdict::kForeign;
     }
     contested_ = contested_ && !current_;  // what was refused may have been of this one
+    outlasts_ = told && told_;
     ended_ = current_ ? std::optional(current_->session_id) : std::nullopt;
     device_id_ = origin.device_id;
     current_ = origin;
@@ -38,7 +39,9 @@ SessionTracker::Verdict SessionTracker::judge(const wire::Origin& origin, bool p
 // What a sensor had sent before it started again may arrive after that.
 void SessionTracker::refuse(const wire::Origin& origin, Time now) {
   const bool just_ended = ended_ == origin.session_id && now - began_ < kSilence;
-  contested_ = contested_ || (device_id_ == origin.device_id && !just_ended);
+  const std::optional<std::uint32_t> device =
+      expected_ ? std::optional(expected_->device_id) : device_id_;
+  contested_ = contested_ || (device == origin.device_id && !just_ended);
 }
 
 }  // namespace stof::client

@@ -27,16 +27,13 @@ class SessionTracker {
   explicit SessionTracker(std::optional<std::uint32_t> device_id) : device_id_(device_id) {}
 
   // An answer to a request came from this one.
-  void expect(const wire::Origin& origin) noexcept {
-    expected_ = origin;
-    device_id_ = device_id_.value_or(origin.device_id);
-  }
+  void expect(const wire::Origin& origin) noexcept { expected_ = origin; }
   // proven: the packet is signed for us, and with it its session.
   Verdict judge(const wire::Origin& origin, bool proven, Time now);
 
   const std::optional<wire::Origin>& current() const noexcept { return current_; }
-  // The sensor itself told the current one.
-  bool current_is_told() const noexcept { return told_; }
+  // The sensor itself told the current one and the one before: what was learned of it then holds.
+  bool outlasts() const noexcept { return outlasts_; }
   // How often the current session went on after a packet of another one of this device, which it
   // had not just ended: one of the two is somebody else's.
   std::uint64_t contests() const noexcept { return contests_; }
@@ -47,7 +44,8 @@ class SessionTracker {
   std::optional<std::uint32_t> device_id_;
   std::optional<wire::Origin> expected_;
   std::optional<wire::Origin> current_;
-  bool told_ = false;
+  bool told_ = false;  // the current one, by the sensor itself
+  bool outlasts_ = false;
   Time last_heard_;
   std::optional<std::uint32_t> ended_;  // the session before
   Time began_;                          // the current one

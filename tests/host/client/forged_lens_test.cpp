@@ -248,6 +248,24 @@ TEST_F(ForgedLens, OfAnotherSessionIsNotBelievedHoweverLongItGoesOn) {
   EXPECT_GE(came.of_sensor, 90);
 }
 
+// As while the sensor is off.
+TEST_F(ForgedLens, OfAStrangerBeforeTheFirstAnswerEndsWithIt) {
+  const wire::Origin sensor = std::exchange(origin_, {.device_id = 5, .session_id = 99});
+  lens_ = kForged;
+  stream(260);
+  lens_ = kTrue;
+  origin_ = sensor;
+  reassembler_.expect(sensor);
+  const Lenses came = stream(100, [&](int k) {
+    if (k % 40 == 0) {
+      say(kForged, kFile);
+    }
+  });
+  EXPECT_EQ(came.forged, 0);
+  stream(30);  // until the sensor's was alone for three seconds
+  EXPECT_EQ(stream(100).of_sensor, 100);
+}
+
 // Where nobody is asked, whoever speaks first is believed as long as he goes on.
 TEST_F(ForgedLens, OfAStrangerWhoWasThereBeforeTheSensorEndsWithHisSession) {
   lens_ = kForged;

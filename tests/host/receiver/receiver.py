@@ -144,7 +144,7 @@ class Receiver:
         self.reports = []  # lines about health and events, to be taken by the caller
         self.exposures = []  # lines about raw pictures, likewise
         self.counts = collections.Counter()  # of packets taken, by type
-        self.told = None  # the session of the sensor's newest answer
+        self.told = None  # device and session of the sensor's newest answer
         self.heard = 0.0
         self.begin_session(None)
 
@@ -167,7 +167,7 @@ class Receiver:
             header, payload = parse(datagram)
             if self.device is None:
                 self.device = header.device
-            if header.device != self.device or (self.told is not None and header.session != self.told):
+            if (header.device, header.session) != self.told if self.told else header.device != self.device:
                 raise Refused("foreign")
             if header.session != self.session:
                 if self.session is not None and self.told is None and now - self.heard < SESSION_SILENCE_S:
@@ -297,7 +297,7 @@ class Subscription:
     def __init__(self, now, raw=0, every=1):
         self.raw = raw, every
         self.cookie = 0
-        self.session = None  # of the sensor, by its newest answer
+        self.origin = None  # device and session of the sensor, by its newest answer
         self.request = 0
         self.granted = 0.0  # seconds; 0: none
         self.next_at = now
@@ -334,7 +334,7 @@ class Subscription:
         request, result, _, lease_ms, cookie = SUBSCRIBED_PAYLOAD.unpack_from(payload)
         if request != self.request:
             return True
-        self.cookie, self.session = cookie, header.session
+        self.cookie, self.origin = cookie, (header.device, header.session)
         if result == 1:  # cookie
             self.next_at = now
         elif result in (0, 6, 7):  # ok; without raw pictures
@@ -386,7 +386,7 @@ def main():
                 continue  # nobody listens there yet
             now = time.monotonic()
             if subscription and subscription.heard(datagram, now):
-                receiver.told = subscription.session
+                receiver.told = subscription.origin
             else:
                 closed = receiver.push(datagram, now)
         else:

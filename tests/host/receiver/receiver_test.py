@@ -198,9 +198,9 @@ class SessionTest(unittest.TestCase):
         self.assertEqual(heard, [1, 1, 1, 1, 2, 2, 1])
 
     def test_who_asked_takes_the_one_that_answered(self):
-        self.receiver.told = 2
+        self.receiver.told = 1, 2
         self.assertEqual([self.hear(1, 5.0), self.hear(2, 5.1), self.hear(1, 99.0)], [None, 2, 2])
-        self.receiver.told = 1
+        self.receiver.told = 1, 1
         self.assertEqual([self.hear(2, 99.1), self.hear(1, 99.2)], [2, 1])
 
 
