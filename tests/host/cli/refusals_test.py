@@ -8,32 +8,18 @@ import pathlib
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 import unittest
-import unittest.mock
 
-COMMAND = []
+import verbs
+
 STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
 LONG_S = 120
 NOBODY = "127.0.0.1:9"
 
 
-class Refusals(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        scratch = tempfile.TemporaryDirectory(prefix="stof_")
-        cls.addClassCleanup(scratch.cleanup)
-        cls.folder = pathlib.Path(scratch.name)
-        environment = unittest.mock.patch.dict(os.environ, {"XDG_CONFIG_HOME": scratch.name})
-        environment.start()
-        cls.addClassCleanup(environment.stop)
-
-    def stof(self, *words, **more):
-        return subprocess.run([*COMMAND, *map(str, words)], **{"cwd": self.folder, "capture_output": True, "text": True, "timeout": LONG_S,
-                                                               "check": False, **more})
-
+class Refusals(verbs.Program):
     def refuse(self, fact, *words):
         ended = self.stof(*words)
         self.assertEqual((ended.returncode, ended.stdout), (2, ""), ended.stderr)
@@ -93,7 +79,7 @@ class Refusals(unittest.TestCase):
 
     def test_a_sensor_without_a_place_says_how_many_there_are(self):
         _, place = self.start("full")
-        held = [subprocess.Popen([*COMMAND, "stats", place, "--seconds", str(LONG_S)], cwd=self.folder, stdout=subprocess.PIPE, text=True)
+        held = [subprocess.Popen([*verbs.COMMAND, "stats", place, "--seconds", str(LONG_S)], cwd=self.folder, stdout=subprocess.PIPE, text=True)
                 for _ in range(3)]
         for one in held:
             self.addCleanup(one.wait)
@@ -109,7 +95,7 @@ class Refusals(unittest.TestCase):
     def test_health_that_goes_on_tells_silence_and_events_as_json(self):
         faults = self.folder / "faults"
         sensor, place = self.start("quiet", "--fault-socket", str(faults))
-        health = subprocess.Popen([*COMMAND, "health", place, "--seconds", str(LONG_S), "--timeout", str(LONG_S), "--json"], cwd=self.folder,
+        health = subprocess.Popen([*verbs.COMMAND, "health", place, "--seconds", str(LONG_S), "--timeout", str(LONG_S), "--json"], cwd=self.folder,
                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(health.wait)
         self.addCleanup(health.kill)
@@ -140,5 +126,5 @@ class Refusals(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    COMMAND = sys.argv[1:]
+    verbs.COMMAND.extend(sys.argv[1:])
     unittest.main(argv=sys.argv[:1])
