@@ -144,22 +144,19 @@ class Scene:
         return read_pgm(self.folder / str(k) / name)[2]
 
     def _compute(self):
-        """The hash of each step's frame; sessions tell the steps apart."""
+        """The hash of each step's frame."""
+        return [self._hash(k) for k in range(STEPS)]
+
+    def _hash(self, k):
         port = machine.free_udp_port()
         receiver = Receiver(self.receive, "--listen", port)
+        folder = self.folder / str(k)
         try:
-            hashes = []
-            for k in range(STEPS):
-                folder = self.folder / str(k)
-                since = receiver.count()
-                subprocess.run([self.programs / "stofd", "--dataset", folder, "--tof", folder / "pmd", "--calibration",
-                                self.calibration, "--free-run", "--frames", "4", "--session", str(k + 1), "--port", "0",
-                                "--to", f"127.0.0.1:{port}", *COMMON], check=True, stdout=subprocess.DEVNULL,
-                               timeout=120)
-                frame = receiver.wait(lambda frame, k=k: frame["session"] == k + 1 and frame["missing"] == 0, since,
-                                      what=f"frame of step {k} from the emulated rig")
-                hashes.append(frame["hash"])
-            return hashes
+            subprocess.run([self.programs / "stofd", "--dataset", folder, "--tof", folder / "pmd", "--calibration",
+                            self.calibration, "--free-run", "--frames", "4", "--session", str(k + 1), "--port", "0",
+                            "--to", f"127.0.0.1:{port}", *COMMON], check=True, stdout=subprocess.DEVNULL, timeout=120)
+            return receiver.wait(lambda frame: frame["session"] == k + 1 and frame["missing"] == 0,
+                                 what=f"frame of step {k} from the emulated rig")["hash"]
         finally:
             receiver.close()
 
