@@ -80,8 +80,9 @@ class Reassembler {
   // The same with their times of arrival.
   const SessionMessages& messages() const noexcept { return messages_; }
 
-  // Conditions that began or ended, in the order of arrival, each event once. 64 are kept.
-  std::optional<wire::EventReport> take_event() { return messages_.take_event(); }
+  // Conditions that began or ended, and what health() was: as SessionMessages says.
+  std::optional<ToldEvent> take_event() { return messages_.take_event(); }
+  std::optional<ToldHealth> take_health() { return messages_.take_health(); }
   // Where they were asked for, however old they are.
   RawAssembler& raw() noexcept { return messages_.raw(); }
 

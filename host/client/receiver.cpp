@@ -250,7 +250,9 @@ const std::optional<wire::CalibrationPacket>& Receiver::calibration() const noex
   return parts_->reassembler.calibration();
 }
 
-std::optional<wire::EventReport> Receiver::take_event() { return parts_->reassembler.take_event(); }
+std::optional<ToldEvent> Receiver::take_event() { return parts_->reassembler.take_event(); }
+
+std::optional<ToldHealth> Receiver::take_health() { return parts_->reassembler.take_health(); }
 
 std::optional<RawExposure> Receiver::take_raw() { return parts_->reassembler.raw().take(); }
 

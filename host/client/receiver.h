@@ -16,6 +16,7 @@
 #include "host/client/sensor_socket.h"
 #include "host/client/serial/serial_line.h"
 #include "host/client/session/link_watch.h"
+#include "host/client/session/reports.h"
 #include "host/client/statistics.h"
 
 namespace stof::client {
@@ -76,7 +77,9 @@ class Receiver {
   LinkState link() const noexcept;
   const LinkWatch& link_watch() const noexcept;  // the same for other times and threads, as a copy
   // Conditions that began or ended, each event once. Look after every next().
-  std::optional<wire::EventReport> take_event();
+  std::optional<ToldEvent> take_event();
+  // For who keeps them all: what health() was since the last calls, as Reassembler says.
+  std::optional<ToldHealth> take_health();
 
   // What the cameras gave, where SubscriptionOptions::raw asked for it: the next exposure that has
   // come, valid until the next call. Look after every next(): two are kept. A picture that missed a

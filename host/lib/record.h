@@ -29,19 +29,12 @@ class Record {
       const std::filesystem::path& file, Options options);
 
   void take(const client::Frame& frame, const std::string& place) { session_->take(frame, place); }
-  // What comes before the first frame waits for its session.
-  // from: as SessionRecording says.
-  void take(const wire::EventReport& event, const std::optional<wire::Origin>& from) {
+  void take(const client::ToldEvent& event) {
     if (session_->begun()) {
-      session_->take(event, from);
+      session_->take(event);
     }
   }
-  void take(const std::optional<wire::HealthReport>& health,
-            const std::optional<wire::Origin>& from) {
-    if (session_->begun()) {
-      session_->take(health, from);
-    }
-  }
+  void look(client::Receiver& receiver) { session_->look(receiver); }
   stof_recorded state() const;
   // Blocks until all is written. Once.
   std::pair<stof_recorded, std::optional<recording::Problem>> finish();

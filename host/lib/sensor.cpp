@@ -52,25 +52,17 @@ stof_status stof_sensor::receive_played(client::Duration timeout) {
     taken = {.frame = frame, .played = played.get(), .recorded_ns = played->recorded_ns()};
   }
   share();
-  take_beside();
+  while (const auto event = played->playback().take_event()) {
+    keep(*event);
+  }
   return status;
 }
 
-// Events wait for whoever takes them, and are recorded before.
-void stof_sensor::take_beside() {
-  while (true) {
-    const auto event = played ? played->playback().take_event() : receiver->take_event();
-    if (!event) {
-      return;
-    }
-    if (const std::scoped_lock lock(record_mutex); record) {
-      record->take(*event, receiver ? receiver->origin() : std::nullopt);
-    }
-    if (events.size() == kMostEvents) {
-      events.pop_front();
-    }
-    events.push_back(*event);
+void stof_sensor::keep(const wire::EventReport& event) {
+  if (events.size() == kMostEvents) {
+    events.pop_front();
   }
+  events.push_back(event);
 }
 
 stof_status stof_sensor::receive_live(client::Duration timeout) {
@@ -78,14 +70,19 @@ stof_status stof_sensor::receive_live(client::Duration timeout) {
   share();
   {
     const std::scoped_lock lock(record_mutex);
+    if (record) {
+      record->look(*receiver);
+    }
+    while (const auto event = receiver->take_event()) {
+      if (record) {
+        record->take(*event);
+      }
+      keep(event->report);
+    }
     if (record && frame) {
       record->take(*frame, receiver->place());
     }
-    if (record) {
-      record->take(receiver->health(), receiver->origin());
-    }
   }
-  take_beside();
   if (!frame) {
     return lib::to_status(frame.error());
   }

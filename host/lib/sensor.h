@@ -100,7 +100,7 @@ struct stof_sensor {
   stof_status receive(stof::client::Duration timeout);
   stof_status receive_live(stof::client::Duration timeout);
   stof_status receive_played(stof::client::Duration timeout);
-  void take_beside();
+  void keep(const stof::wire::EventReport& event);  // until somebody takes it
   void share();
   void run() noexcept;
   // What came beside a frame, to the callbacks.

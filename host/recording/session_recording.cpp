@@ -1,5 +1,6 @@
 #include "host/recording/session_recording.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <utility>
@@ -27,6 +28,9 @@ SessionRecording::SessionRecording(Recorder& recorder, Options options, SensorDo
 
 void SessionRecording::take(const client::Frame& frame, const std::string& place) {
   const std::uint64_t time = clock_.at(frame.last_packet);
+  if (!origin_) {
+    first_frame_ = frame.last_packet;
+  }
   if (!origin_ || origin_->session_id != frame.origin.session_id) {
     origin_ = frame.origin;
     calibration_.reset();
@@ -58,6 +62,7 @@ void SessionRecording::take(const client::Frame& frame, const std::string& place
     ++counts_.dropped;
     calibration_.reset();  // it may have been among them
   }
+  put_early_health();
 }
 
 bool SessionRecording::counts(const client::RawExposure& exposure) {
@@ -79,24 +84,42 @@ void SessionRecording::take(const client::RawExposure& exposure) {
   }
 }
 
-void SessionRecording::take(const wire::EventReport& event,
-                            const std::optional<wire::Origin>& from) {
+void SessionRecording::take(const client::ToldEvent& event) {
   TopicMessages messages;
-  append_event(messages, from.value_or(*origin_), event, clock_.now());
+  append_event(messages, event.from, event.report, log_time(event.arrived));
   recorder_.put(std::move(messages));
 }
 
-void SessionRecording::take(const std::optional<wire::HealthReport>& health,
-                            const std::optional<wire::Origin>& from) {
-  take_documents(false);
-  const wire::Origin origin = from.value_or(*origin_);
-  if (health && (health->uptime_ms != uptime_ms_ || origin.session_id != health_session_)) {
-    uptime_ms_ = health->uptime_ms;
-    health_session_ = origin.session_id;
-    TopicMessages messages;
-    append_health(messages, origin, *health, clock_.now());
-    recorder_.put(std::move(messages));
+void SessionRecording::take(const client::ToldHealth& health) {
+  if (!begun() || health.arrived < first_frame_) {
+    early_health_ = health;
+    return;
   }
+  put_early_health();
+  put(health);
+}
+
+void SessionRecording::look(client::Receiver& receiver) {
+  take_documents(false);
+  while (const std::optional<client::ToldHealth> health = receiver.take_health()) {
+    take(*health);
+  }
+}
+
+void SessionRecording::put_early_health() {
+  if (early_health_) {
+    put(*std::exchange(early_health_, std::nullopt));
+  }
+}
+
+void SessionRecording::put(const client::ToldHealth& health) {
+  TopicMessages messages;
+  append_health(messages, health.from, health.report, log_time(health.arrived));
+  recorder_.put(std::move(messages));
+}
+
+std::uint64_t SessionRecording::log_time(client::Time arrived) const {
+  return clock_.at(std::max(arrived, first_frame_));
 }
 
 // Settings and calibration that changed meanwhile.

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "host/client/raw/raw_exposure.h"
+#include "host/client/receiver.h"
+#include "host/client/session/reports.h"
 #include "host/recording/recorder.h"
 #include "host/recording/sensor_documents.h"
 
@@ -32,11 +34,14 @@ class SessionRecording {
   // count.
   bool counts(const client::RawExposure& exposure);
   void take(const client::RawExposure& exposure);
-  // The two that follow: not before begun(). `from`: whose they are; after a restart they come
-  // before a frame does. None: of the session of the last frame.
-  void take(const wire::EventReport& event, const std::optional<wire::Origin>& from = {});
-  void take(const std::optional<wire::HealthReport>& health,
-            const std::optional<wire::Origin>& from = {});
+  // Once the recording has begun.
+  void take(const client::ToldEvent& event);
+  // Of health that came before the first frame the newest counts. Reports of a new session come
+  // before its first frame.
+  void take(const client::ToldHealth& health);
+  // The health that the receiver was told, and settings and calibration that were read meanwhile.
+  // Look often.
+  void look(client::Receiver& receiver);
   // Settings that are still asked for, at the end: waits for them.
   void finish() { take_documents(true); }
 
@@ -63,6 +68,10 @@ class SessionRecording {
   std::string calibration_text(const client::Frame& frame) const;
   void put_settings(const std::string& document, std::uint64_t time);
   void put_calibration(const std::string& file, std::uint64_t time);
+  // Of the recording's clock; what came before the first frame is of that one's time.
+  std::uint64_t log_time(client::Time arrived) const;
+  void put(const client::ToldHealth& health);
+  void put_early_health();
   void put_sensor(const client::Frame& frame, const std::string& place, std::uint64_t time);
 
   Recorder& recorder_;
@@ -74,9 +83,9 @@ class SessionRecording {
   mcap::Metadata metadata_;             // likewise
   std::uint32_t settings_ = 0;          // fingerprint of the newest document of the session
   std::optional<wire::CalibrationPacket> calibration_;
-  std::optional<std::uint64_t> uptime_ms_;  // of the health that was recorded last
-  std::uint32_t health_session_ = 0;        // likewise
-  bool raw_begun_ = false;                  // in this session
+  client::Time first_frame_{};  // of the recording, when it had come
+  std::optional<client::ToldHealth> early_health_;  // the newest that came before it
+  bool raw_begun_ = false;                          // in this session
   Counts counts_;
 };
 

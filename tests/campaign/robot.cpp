@@ -207,8 +207,8 @@ void Robot::look(client::Time now) {
   }
   troubles_ = counted;
   while (const auto event = reassembler_.take_event()) {
-    const auto condition = static_cast<unsigned>(event->condition);
-    if (event->active != 0 && (condition >= 32 || (kHarmless >> condition & 1U) == 0)) {
+    const auto condition = static_cast<unsigned>(event->report.condition);
+    if (event->report.active != 0 && (condition >= 32 || (kHarmless >> condition & 1U) == 0)) {
       note(now, Sign::kCondition);
     }
   }

@@ -67,8 +67,8 @@ struct Signs {
     restarted = link.restarted;
     forged = link.forged_traffic;
     while (const auto event = receiver.take_event()) {
-      const auto condition = static_cast<unsigned>(event->condition);
-      if (event->active != 0 && (condition >= 32 || (kHarmless >> condition & 1U) == 0)) {
+      const auto condition = static_cast<unsigned>(event->report.condition);
+      if (event->report.active != 0 && (condition >= 32 || (kHarmless >> condition & 1U) == 0)) {
         say("condition", condition);
       }
     }

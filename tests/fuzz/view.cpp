@@ -24,7 +24,7 @@ class View {
       look_at(*frame);
     }
     while (const auto event = reassembler.take_event()) {
-      say(host::event_line(*event));
+      say(host::event_line(event->report));
     }
     if (reassembler.health()) {
       say(host::health_line(*reassembler.health()) + host::active_text(*reassembler.health()));

@@ -130,8 +130,8 @@ class LiveBridge {
                 silence_text(*receiver_, options_.device);
     }
     const bridge::RobotFeed::Link link = link_of(*receiver_, std::move(trouble));
-    while (const std::optional<wire::EventReport> event = receiver_->take_event()) {
-      say(event_line(*event));
+    while (const std::optional<client::ToldEvent> event = receiver_->take_event()) {
+      say(event_line(event->report));
       told_.reset();
     }
     tell(link);

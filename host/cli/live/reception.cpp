@@ -24,9 +24,9 @@ void Reception::run(const std::function<bool()>& done, Awaited awaited) {
   std::uint64_t packets = 0;
   while (!asked_to_stop() && !done()) {
     take(receiver_.next(kLook));
-    while (const std::optional<wire::EventReport> event = receiver_.take_event()) {
+    while (const std::optional<client::ToldEvent> event = receiver_.take_event()) {
       if (listener_.event) {
-        listener_.event(*event);
+        listener_.event(event->report);
       }
     }
     const std::string change =

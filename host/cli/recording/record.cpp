@@ -53,9 +53,10 @@ class Recording {
     const client::Time began = client::Time::clock::now();
     client::Time said = began;
     while (!asked_to_stop() && !enough() && !recorder_.failed()) {
-      take(receiver_.next(kLook));
+      const Result<client::Frame> frame = receiver_.next(kLook);
+      take_beside();  // it came before the frame was whole
+      take(frame);
       take_raw();
-      take_beside();
       if (const std::string change =
               teller_.look(receiver_.link(), receiver_.health(), client::Time::clock::now());
           !change.empty()) {
@@ -164,16 +165,16 @@ class Recording {
     return (exposure.info.pictures & all) != all;
   }
 
-  // What the sensor says beside frames. What comes before the first frame waits for its session.
+  // What the sensor says beside frames. Events that come before the first frame wait for it.
   void take_beside() {
+    session_.look(receiver_);
     if (!session_.begun()) {
       return;
     }
-    while (const std::optional<wire::EventReport> event = receiver_.take_event()) {
-      say(event_line(*event));
-      session_.take(*event, receiver_.origin());
+    while (const std::optional<client::ToldEvent> event = receiver_.take_event()) {
+      say(event_line(event->report));
+      session_.take(*event);
     }
-    session_.take(receiver_.health(), receiver_.origin());
   }
 
   const RecordOptions& options_;

@@ -165,16 +165,15 @@ void PageRecording::take(const client::Frame& frame, const std::string& place) {
   }
 }
 
-void PageRecording::take(const wire::EventReport& event, const std::optional<wire::Origin>& from) {
+void PageRecording::take(const client::ToldEvent& event) {
   if (on() && open_->session->begun()) {
-    open_->session->take(event, from);
+    open_->session->take(event);
   }
 }
 
-void PageRecording::take(const std::optional<wire::HealthReport>& health,
-                         const std::optional<wire::Origin>& from) {
-  if (on() && open_->session->begun()) {
-    open_->session->take(health, from);
+void PageRecording::look(client::Receiver& receiver) {
+  if (on()) {
+    open_->session->look(receiver);
   }
 }
 

@@ -32,10 +32,8 @@ class PageRecording {
 
   // What comes meanwhile.
   void take(const client::Frame& frame, const std::string& place);
-  // from: as SessionRecording says.
-  void take(const wire::EventReport& event, const std::optional<wire::Origin>& from);
-  void take(const std::optional<wire::HealthReport>& health,
-            const std::optional<wire::Origin>& from);
+  void take(const client::ToldEvent& event);
+  void look(client::Receiver& receiver);
 
   // Also ends it where the disk takes no more.
   viewer::RecordingState state();

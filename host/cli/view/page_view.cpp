@@ -165,9 +165,9 @@ void PageView::record(const client::Frame& frame, const client::Receiver& receiv
   }
 }
 
-void PageView::record(const wire::EventReport& event, const client::Receiver& receiver) {
+void PageView::record(const client::ToldEvent& event) {
   if (recording_) {
-    recording_->take(event, receiver.origin());
+    recording_->take(event);
   }
 }
 
@@ -228,7 +228,7 @@ void PageView::look(const ReceiveOptions& options, client::Receiver& receiver, c
     return;
   }
   serve_own(receiver);
-  recording_->take(receiver.health(), receiver.origin());
+  recording_->look(receiver);
   if (due(now)) {
     tell_status(options, receiver);
     viewer_->tell(viewer::Topic::kRecording, viewer::recording_message(recording_->state()));

@@ -45,7 +45,7 @@ class PageView {
 
   // times: when it came.
   void show(const client::Frame& frame, const bridge::RobotFeed::Times& times);
-  void record(const wire::EventReport& event, const client::Receiver& receiver);
+  void record(const client::ToldEvent& event);
   // at_ms: of a recording, when it was recorded (Unix); none: now.
   void tell(const wire::EventReport& event, const std::string& text,
             std::optional<std::uint64_t> at_ms = std::nullopt);

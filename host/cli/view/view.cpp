@@ -123,11 +123,11 @@ class View {
   }
 
   void say_events() {
-    while (const std::optional<wire::EventReport> event = receiver_.take_event()) {
-      const std::string text = event_line(*event);
+    while (const std::optional<client::ToldEvent> event = receiver_.take_event()) {
+      const std::string text = event_line(event->report);
       say(text);
-      page_.record(*event, receiver_);
-      page_.tell(*event, text);
+      page_.record(*event);
+      page_.tell(event->report, text);
     }
   }
 

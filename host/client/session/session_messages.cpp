@@ -1,5 +1,7 @@
 #include "host/client/session/session_messages.h"
 
+#include <array>
+#include <cstddef>
 #include <utility>
 
 #include "firmware/wire/calibration/calibration_packet.h"
@@ -27,6 +29,13 @@ bool follows(std::uint64_t uptime_ms, std::uint64_t before_ms, Time then, Time n
   return uptime_ms >= before_ms && uptime_ms - before_ms <= most + kUptimeSlackMs;
 }
 
+bool same(const wire::HealthReport& a, const wire::HealthReport& b) noexcept {
+  std::array<std::array<std::byte, wire::kHealthReportBytes>, 2> bytes;
+  wire::encode_health_report(a, bytes[0]);
+  wire::encode_health_report(b, bytes[1]);
+  return bytes[0] == bytes[1];
+}
+
 bool is_period(std::int64_t period_ns) noexcept {
   return period_ns >= 0 && std::chrono::nanoseconds(period_ns) <= FramePace::kLongest;
 }
@@ -34,16 +43,18 @@ bool is_period(std::int64_t period_ns) noexcept {
 }  // namespace
 
 std::size_t SessionMessages::restart(bool outlasts) {
-  const std::size_t untaken = events_in_ - events_out_;
+  const std::size_t untaken = events_.clear();
   raw_.restart();
   RawAssembler raw = std::move(raw_);  // its counts are the receiver's
   const LensBook lenses = lenses_;
   const std::uint64_t lies = lies_;
+  const auto healths = healths_;
   *this = SessionMessages();
   raw_ = std::move(raw);
   lenses_ = lenses;
   lenses_.restart(outlasts);
   lies_ = lies;
+  healths_ = healths;
   return untaken;
 }
 
@@ -115,6 +126,9 @@ MessageOutcome SessionMessages::push_health(const wire::PacketView& packet, Time
     return decoded->uptime_ms < health_->uptime_ms ? MessageOutcome::kLate
                                                    : MessageOutcome::kImplausible;
   }
+  if (!health_ || !same(*health_, *decoded)) {
+    healths_.push({.report = *decoded, .from = packet.header.origin, .arrived = arrived});
+  }
   health_ = *decoded;
   health_at_ = arrived;
   refused_health_.reset();
@@ -158,11 +172,7 @@ MessageOutcome SessionMessages::push_event(const wire::PacketView& packet, Time 
     newest_event_ = event->sequence;
   }
   older_events_ |= std::uint64_t{1} << (newest_event_ - event->sequence);
-  if (events_in_ - events_out_ == kEvents) {
-    ++events_out_;
-    overflow = true;
-  }
-  events_[events_in_++ % kEvents] = *event;
+  overflow = !events_.push({.report = *event, .from = packet.header.origin, .arrived = arrived});
   return MessageOutcome::kTaken;
 }
 
@@ -177,13 +187,6 @@ bool SessionMessages::repeats_refused_event(std::uint32_t sequence, Time arrived
 bool SessionMessages::seen(std::uint32_t sequence) const noexcept {
   const std::int32_t behind = number_distance(newest_event_, sequence);
   return behind >= 0 && ((older_events_ >> behind) & 1) != 0;
-}
-
-std::optional<wire::EventReport> SessionMessages::take_event() {
-  if (events_out_ == events_in_) {
-    return std::nullopt;
-  }
-  return events_[events_out_++ % kEvents];
 }
 
 }  // namespace stof::client

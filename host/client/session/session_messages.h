@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -14,6 +13,7 @@
 #include "host/client/raw/raw_assembler.h"
 #include "host/client/session/frame_sequence.h"
 #include "host/client/session/lens_book.h"
+#include "host/client/session/reports.h"
 
 namespace stof::client {
 
@@ -38,7 +38,7 @@ class SessionMessages {
       : lenses_(units_change), raw_(most_raw_pixels) {}
 
   // A session begins. outlasts: what was learned of lenses (SessionTracker::outlasts()), which is
-  // forgotten else. Returns the events that nobody took.
+  // forgotten else. Health that nobody took stays. Returns the events that nobody took.
   std::size_t restart(bool outlasts);
 
   // frames: of the same session; a calibration tells the number of the frame it was sent beside.
@@ -65,15 +65,15 @@ class SessionMessages {
   Time calibration_at() const noexcept { return calibration_at_; }
   Time health_at() const noexcept { return health_at_; }
 
-  // In the order of arrival, each once.
-  std::optional<wire::EventReport> take_event();
+  // In the order of arrival, each once; 64 events of this session are kept, and 16 reports of
+  // health. A recording that is played repeats the same one.
+  std::optional<ToldEvent> take_event() { return events_.take(); }
+  std::optional<ToldHealth> take_health() { return healths_.take(); }
 
   RawAssembler& raw() noexcept { return raw_; }
   const RawAssembler& raw() const noexcept { return raw_; }
 
  private:
-  static constexpr std::size_t kEvents = 64;  // kept until they are taken
-
   // A counter that was not believed.
   struct Refused {
     std::uint64_t value = 0;
@@ -99,9 +99,8 @@ class SessionMessages {
   Time health_at_;
   std::optional<Refused> refused_health_;  // by its uptime
   std::optional<Refused> refused_event_;   // by its sequence
-  std::array<wire::EventReport, kEvents> events_;
-  std::uint64_t events_in_ = 0;   // ever
-  std::uint64_t events_out_ = 0;  // taken or given up
+  ReportQueue<wire::EventReport, 64> events_;
+  ReportQueue<wire::HealthReport, 16> healths_;
   bool event_seen_ = false;
   std::uint32_t newest_event_ = 0;  // sequence
   std::uint64_t older_events_ = 0;  // bit k: sequence newest_event_ - k arrived

@@ -37,9 +37,9 @@ Datagram event(std::uint32_t sequence, std::uint32_t session = 1) {
 
 std::vector<std::uint32_t> take_events(Reassembler& reassembler) {
   std::vector<std::uint32_t> sequences;
-  while (const std::optional<wire::EventReport> taken = reassembler.take_event()) {
-    EXPECT_EQ(taken->value, taken->sequence);
-    sequences.push_back(taken->sequence);
+  while (const std::optional<ToldEvent> taken = reassembler.take_event()) {
+    EXPECT_EQ(taken->report.value, taken->report.sequence);
+    sequences.push_back(taken->report.sequence);
   }
   return sequences;
 }
@@ -68,6 +68,41 @@ TEST(Health, EndsWithItsSession) {
   reassembler.push(health(10, 0, 2), again);
   ASSERT_TRUE(reassembler.health());
   EXPECT_EQ(reassembler.health()->uptime_ms, 10U);
+}
+
+TEST(Health, EachIsTakenOnceWithItsSessionAndTime) {
+  Reassembler reassembler;
+  const Time again = kStart + SessionTracker::kSilence;
+  reassembler.push(health(1000, 5), kStart);
+  reassembler.push(health(2000, 6), kStart + std::chrono::milliseconds(900));
+  reassembler.push(health(2000, 6), kStart + std::chrono::milliseconds(920));  // sent again
+  reassembler.push(health(1500), kStart + std::chrono::milliseconds(950));  // late: not believed
+  reassembler.push(health(10, 7, 2), again + std::chrono::seconds(1));
+  std::vector<std::uint32_t> active;
+  std::vector<std::uint32_t> sessions;
+  std::vector<Time> times;
+  while (const std::optional<ToldHealth> taken = reassembler.take_health()) {
+    active.push_back(taken->report.active);
+    sessions.push_back(taken->from.session_id);
+    times.push_back(taken->arrived);
+  }
+  EXPECT_EQ(active, (std::vector<std::uint32_t>{5, 6, 7}));
+  EXPECT_EQ(sessions, (std::vector<std::uint32_t>{1, 1, 2}));
+  EXPECT_EQ(times, (std::vector<Time>{kStart, kStart + std::chrono::milliseconds(900),
+                                      again + std::chrono::seconds(1)}));
+}
+
+TEST(Health, OfThoseThatNobodyTakesTheNewestAreKept) {
+  Reassembler reassembler;
+  for (std::uint32_t k = 0; k < 20; ++k) {
+    reassembler.push(health(1000 + k, k), kStart);
+  }
+  for (std::uint32_t k = 4; k < 20; ++k) {
+    const std::optional<ToldHealth> taken = reassembler.take_health();
+    ASSERT_TRUE(taken);
+    EXPECT_EQ(taken->report.active, k);
+  }
+  EXPECT_FALSE(reassembler.take_health());
 }
 
 TEST(Event, IsDeliveredOnceHoweverOftenItArrives) {
