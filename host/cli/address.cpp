@@ -156,7 +156,7 @@ class AddressChange {
       const auto again = std::ranges::find_first_of(here, before);
       if (found && again != here.end() && heard_at(*found, *again) &&
           (!wish_.address.empty() || (*again != former_ && answers_from(*again, *found)))) {
-        if (auto kept = save_at(*again, other_way(*found))) {
+        if (auto kept = save_elsewhere(*again, *found)) {
           return kept;
         }
       }
@@ -253,11 +253,6 @@ class AddressChange {
                                         .called = found.serial});
   }
 
-  // By which it answers where it is not reached at its address: IPv6 of the link, or broadcast.
-  static Way other_way(const client::FoundSensor& found) {
-    return found.by_link_alone() ? open_link(found) : client::open_udp_transport(found.endpoint());
-  }
-
   // Where it is answered proves nothing: whoever is at that address may hand on what others say. So
   // the sensor itself says, signed, which addresses it has.
   bool says_it_has(client::ControlClient& sensor, const std::string& address) {
@@ -282,6 +277,17 @@ class AddressChange {
     return false;
   }
 
+  // Where it is not reached at its address: another one at which it was heard, IPv6 of the link, or
+  // broadcast.
+  std::optional<Kept> save_elsewhere(const std::string& address, const client::FoundSensor& found) {
+    if (!found.by_link_alone()) {
+      if (auto kept = save_at(address, client::open_udp_transport(found.endpoint()))) {
+        return kept;
+      }
+    }
+    return save_at(address, open_link(found));
+  }
+
   // None: no answer, or not yet. Only who has the key is believed, and what he refuses for good
   // ends it.
   std::optional<Kept> save_at(const std::string& address, Way way) {
@@ -289,8 +295,10 @@ class AddressChange {
       return std::nullopt;
     }
     const std::string place = (*way)->place();
+    const std::string host = place.substr(0, place.find(':'));
     client::ControlClient sensor(std::move(*way), control_);
-    if (!says_it_has(sensor, address)) {
+    if (!says_it_has(sensor, address) ||
+        (host != address && is_ipv4(host) && !says_it_has(sensor, host))) {
       return std::nullopt;
     }
     const auto answer = sensor.request(Operation::kSave, {}, {});

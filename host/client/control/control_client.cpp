@@ -123,8 +123,8 @@ std::expected<ControlAnswer, ControlError> ControlClient::get(wire::SettingsOper
       }
       if (part->text.empty() || text.size() > answer.total) {
         return std::unexpected(error(Status::kCorrupt,
-                                     "its answer contradicts itself: update "
-                                     "this program or the sensor"));
+                                     "its answer contradicts itself: where nobody else answers in "
+                                     "its name, update this program or the sensor"));
       }
     }
   }

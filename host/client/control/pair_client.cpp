@@ -364,7 +364,8 @@ std::unexpected<ControlError> PairClient::refuse(PairResult why) const {
       break;
   }
   return error(Status::kCorrupt,
-               "its answer contradicts itself: update this program or the sensor");
+               "its answer contradicts itself: where nobody else answers in its name, update this "
+               "program or the sensor");
 }
 
 std::unexpected<ControlError> PairClient::error(Status status, std::string_view what) const {

@@ -298,6 +298,19 @@ class ByBroadcast(Address):
         self.assertIn("who answers at 192.168.1.200 is not the sensor", ended.stderr)
         self.assertEqual((self.saved()["address"], self.saved()["dhcp"]), (FIRST, False))
 
+    def test_who_hands_on_what_the_sensor_signs_is_not_kept_as_its_place(self):
+        self.pair()
+        discover = wire.seal(wire.Header(type=wire.PacketType.DISCOVER), wire.Discover(request_id=7).pack())
+        announced = self.link(7561, discover)
+        stranger = subprocess.Popen(within(THIRD, [sys.executable, "-c", RELAY, "192.168.1.200", announced.hex(),
+                                                   str(pathlib.Path(wire.__file__).parent)]))
+        self.addCleanup(lambda: (stranger.kill(), stranger.wait()))
+        told = json.loads(self.ask("address", SERIAL, "172.16.0.9/24", "--wait", "20", "--json"))
+        self.assertIsNone(stranger.poll())
+        self.assertEqual(told["address"], "172.16.0.9")
+        self.assertIn("by broadcast", told["place"])
+        self.assertEqual(self.saved()["address"], "172.16.0.9/24")
+
     def test_an_address_that_is_taken_is_refused(self):
         self.pair()
         asked = len(self.setter.log)
