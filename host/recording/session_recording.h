@@ -83,7 +83,7 @@ class SessionRecording {
   mcap::Metadata metadata_;             // likewise
   std::uint32_t settings_ = 0;          // fingerprint of the newest document of the session
   std::optional<wire::CalibrationPacket> calibration_;
-  client::Time first_frame_{};  // of the recording, when it had come
+  client::Time first_frame_{};                      // of the recording, when it had come
   std::optional<client::ToldHealth> early_health_;  // the newest that came before it
   bool raw_begun_ = false;                          // in this session
   Counts counts_;

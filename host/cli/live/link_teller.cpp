@@ -16,14 +16,15 @@ std::string last_health(const client::LinkState& link,
                                    : std::string("; no health of it yet");
 }
 
+// One that starts tells its health before its first frame: that is no silence yet to a reader.
 std::string silence(const client::LinkState& link) {
-  return "link: the sensor is silent, " +
-         (link.frame_age ? "its last frame is " + age_text(link.frame_age) + " old"
-                         : std::string("no frame came yet"));
+  return link.frame_age
+             ? "link: the sensor is silent, its last frame is " + age_text(link.frame_age) + " old"
+             : std::string("link: no frame came yet");
 }
 
-std::string sends_again(unsigned further) {
-  return "link: the sensor sends again" +
+std::string sends_again(bool first, unsigned further) {
+  return (first ? std::string("link: frames come") : std::string("link: the sensor sends again")) +
          (further == 0
               ? ""
               : printed(", it was silent %u %s more", further, further == 1 ? "time" : "times"));
@@ -54,6 +55,7 @@ std::string LinkTeller::look(const client::LinkState& link,
     sends_since_ = now;
     if (link.silent && !std::exchange(silence_told_, true)) {
       told_silences_ = silences_;
+      before_first_ = !link.frame_age;
       changes_.push_back({.text = silence(link) + told_health,
                           .state = "silent",
                           .severity = wire::Severity::kMajor,
@@ -70,7 +72,8 @@ std::string LinkTeller::look(const client::LinkState& link,
   forged_ = link.forged_traffic;
   if (silence_told_ && !silent_ && now - sends_since_ >= kSettled) {
     silence_told_ = false;
-    changes_.push_back({.text = sends_again(silences_ - told_silences_), .state = "sends_again"});
+    changes_.push_back(
+        {.text = sends_again(before_first_, silences_ - told_silences_), .state = "sends_again"});
   }
   std::string lines;
   for (const Change& change : changes_) {

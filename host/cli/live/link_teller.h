@@ -47,6 +47,7 @@ class LinkTeller {
   bool begun_ = false;  // something of it has come
   bool silent_ = false;
   bool silence_told_ = false;  // until "sends again"
+  bool before_first_ = false;  // that silence was before any frame
   bool restarted_ = false;
   bool forged_ = false;
   client::Time sends_since_{};

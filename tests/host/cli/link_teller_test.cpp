@@ -112,7 +112,9 @@ TEST(LinkTeller, TellsNothingOfASensorThatNeverCame) {
 TEST(LinkTeller, TellsSilenceOfASensorThatOnlyToldItsHealth) {
   LinkTeller teller;
   EXPECT_EQ(teller.look({.silent = true, .health_age = 100ms}, kGood, kStart),
-            "link: the sensor is silent, no frame came yet; last health 0.1 s ago: good");
+            "link: no frame came yet; last health 0.1 s ago: good");
+  EXPECT_EQ(teller.look(heard(10ms, 200ms), kGood, kStart + 100ms), "");
+  EXPECT_EQ(teller.look(heard(10ms, 200ms), kGood, kStart + 1100ms), "link: frames come");
 }
 
 }  // namespace
