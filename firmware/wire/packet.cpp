@@ -79,7 +79,8 @@ std::expected<PacketView, PacketFault> parse_packet(std::span<const std::byte> d
   if (datagram.size() > stated || stated > kMaxDatagram) {
     return std::unexpected(PacketFault::kLength);
   }
-  if (crc32c(datagram.first(stated - kCrcBytes)) != get_u32(datagram.last<kCrcBytes>())) {
+  const std::uint32_t crc = get_u32(datagram.last<kCrcBytes>());
+  if (crc32c(datagram.first(stated - kCrcBytes)) != crc) {
     return std::unexpected(PacketFault::kCrc);
   }
   const Result<HeaderFields> fields = decode_header_fields(datagram);
@@ -87,7 +88,8 @@ std::expected<PacketView, PacketFault> parse_packet(std::span<const std::byte> d
     return std::unexpected(PacketFault::kTruncated);
   }
   const PacketView packet{.header = header_of(*fields),
-                          .payload = datagram.subspan(header_bytes, payload_bytes)};
+                          .payload = datagram.subspan(header_bytes, payload_bytes),
+                          .crc = crc};
   if (packet.header.index >= packet.header.count) {
     return std::unexpected(PacketFault::kField);
   }

@@ -69,6 +69,7 @@ enum class PacketFault : std::uint8_t {
 struct PacketView {
   Header header;
   std::span<const std::byte> payload;  // into the bytes that were parsed
+  std::uint32_t crc = 0;               // of its datagram; 0: it came in none, parity made it
 };
 
 // Any bytes; reads nothing outside them. Verified packets only.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "host/client/frame/packet_sense.h"
+
 namespace stof::client {
 namespace {
 
@@ -32,15 +34,6 @@ std::size_t pixels(const wire::Header& header) {
   return std::size_t{header.image_width} * header.image_height;
 }
 
-// Whether a part of a known kind is what it says. What is unknown cannot be judged.
-bool contradicts_itself(const wire::PacketView& packet) {
-  const wire::Header& header = packet.header;
-  if (header.type == wire::PacketType::kTile) {
-    return wire::pixel_bytes(header.stream, header.codec) != 0 && !wire::consistent_tile(packet);
-  }
-  return header.type == wire::PacketType::kFrameInfo && !wire::decode_frame_info(packet.payload);
-}
-
 }  // namespace
 
 Reassembler::Reassembler(const ReassemblerOptions& options)
@@ -58,9 +51,14 @@ void Reassembler::push(std::span<const std::byte> datagram, Time arrived, Time n
     return;
   }
   const wire::Header& header = packet->header;
-  switch (session_.judge(header.origin, options_.verifier != nullptr, arrived)) {
+  if (contradicts_itself(*packet)) {
+    ++statistics_.bad_field;
+    return;
+  }
+  const bool tells = tells_of_sensor(header.type);
+  switch (session_.judge(header.origin, tells, options_.verifier != nullptr, arrived)) {
     case SessionTracker::Verdict::kForeign:
-      ++statistics_.foreign;
+      ++(tells || session_.current() ? statistics_.foreign : statistics_.unknown);
       return;
     case SessionTracker::Verdict::kStarted:
       start_session();
@@ -202,24 +200,22 @@ void Reassembler::start_session() {
   parity_ = false;
 }
 
+// Parts of one frame that contradict each other have two senders.
 bool Reassembler::count(Placed placed) {
+  forgeries_ += placed == Placed::kContradicting ? 1U : 0U;
   ++(statistics_.*kParts[static_cast<std::size_t>(placed)]);
   return placed == Placed::kStored || placed == Placed::kIgnored;
 }
 
 void Reassembler::push_part(const wire::PacketView& packet, Time arrived) {
   const wire::Header& header = packet.header;
-  if (contradicts_itself(packet)) {
-    ++statistics_.bad_field;
-    return;
-  }
   if (pixels(header) > options_.max_pixels) {
     ++statistics_.oversized;
     return;
   }
   switch (judge(header, arrived)) {
     case FrameSequence::Verdict::kOver:
-      refuse_closed(header);
+      refuse_closed(packet);
       return;
     case FrameSequence::Verdict::kImplausible:
       ++statistics_.implausible;
@@ -250,7 +246,7 @@ void Reassembler::push_parity(const wire::PacketView& packet, Time arrived) {
   switch (judge(packet.header, arrived)) {
     case FrameSequence::Verdict::kOver:
       parity_ = true;
-      count_closed_parity(packet.header);
+      count_closed_parity(packet);
       return;
     case FrameSequence::Verdict::kImplausible:
       ++statistics_.implausible;
@@ -301,24 +297,29 @@ Reassembler::Closed* Reassembler::closed(std::uint32_t number) {
   return nullptr;
 }
 
-void Reassembler::refuse_closed(const wire::Header& header) {
-  const Closed* const frame = closed(header.frame.number);
+void Reassembler::refuse_closed(const wire::PacketView& packet) {
+  const Closed* const frame = closed(packet.header.frame.number);
   if (frame == nullptr) {
     pace_.interrupt();
   }
-  ++(frame != nullptr && frame->packets.has(header.index) ? statistics_.duplicate
-                                                          : statistics_.late);
+  const std::size_t index = packet.header.index;
+  if (frame == nullptr || !frame->packets.has(index)) {
+    ++statistics_.late;
+  } else {
+    count(frame->packets.differs(index, packet.crc) ? Placed::kContradicting : Placed::kDuplicate);
+  }
 }
 
 // The parity of a whole frame comes after it and is as it should be.
-void Reassembler::count_closed_parity(const wire::Header& header) {
-  Closed* const frame = closed(header.frame.number);
-  if (frame == nullptr || header.index >= frame->parity_groups) {
+void Reassembler::count_closed_parity(const wire::PacketView& packet) {
+  const std::size_t group = packet.header.index;
+  Closed* const frame = closed(packet.header.frame.number);
+  if (frame == nullptr || group >= frame->parity_groups) {
     ++statistics_.late;
-  } else if (frame->parity.has(header.index)) {
-    ++statistics_.duplicate;
+  } else if (frame->parity.has(group)) {
+    count(frame->parity.differs(group, packet.crc) ? Placed::kContradicting : Placed::kDuplicate);
   } else {
-    frame->parity.insert(header.index);
+    frame->parity.insert(group, packet.crc);
     ++(frame->whole ? statistics_.packets_ok : statistics_.late);
   }
 }

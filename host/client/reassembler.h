@@ -59,8 +59,9 @@ class Reassembler {
   bool keep(FramePixels& pixels) noexcept;  // once a frame; false: none is out
 
   const Statistics& statistics() const noexcept { return statistics_; }
-  // Datagrams that no sensor can have sent, sessions beside the sensor's, and starts of the order
-  // of frames anew; what is not signed only once there is a key.
+  // Datagrams that no sensor can have sent, sessions beside the sensor's, packets that contradict
+  // others of their frame, and starts of the order of frames anew; what is not signed only once
+  // there is a key.
   std::uint64_t forgeries() const noexcept {
     return forgeries_ + messages_.lies() + session_.contests();
   }
@@ -111,8 +112,8 @@ class Reassembler {
   bool count(Placed placed);  // whether something was added
   bool comes_late(const FrameSlot& slot);
   Closed* closed(std::uint32_t number);
-  void refuse_closed(const wire::Header& header);
-  void count_closed_parity(const wire::Header& header);
+  void refuse_closed(const wire::PacketView& packet);
+  void count_closed_parity(const wire::PacketView& packet);
   void repair(FrameSlot& slot, std::size_t group, Time now);
   void close_if_complete(FrameSlot& slot);
   FrameSlot& open(const wire::Header& header, Time now);

@@ -101,6 +101,11 @@ void SessionRecording::take(const client::ToldHealth& health) {
 
 void SessionRecording::look(client::Receiver& receiver) {
   take_documents(false);
+  // Where another session came in between it knows lenses no more, though none was taken back.
+  const std::uint64_t sessions = receiver.statistics().sessions;
+  if (std::exchange(sessions_, sessions) != sessions) {
+    calibration_.reset();
+  }
   while (const std::optional<client::ToldHealth> health = receiver.take_health()) {
     take(*health);
   }

@@ -40,7 +40,7 @@ class SessionRecording {
   // before its first frame.
   void take(const client::ToldHealth& health);
   // The health that the receiver was told, and settings and calibration that were read meanwhile.
-  // Look often.
+  // Look after each next(), before the frame is taken.
   void look(client::Receiver& receiver);
   // Settings that are still asked for, at the end: waits for them.
   void finish() { take_documents(true); }
@@ -85,6 +85,7 @@ class SessionRecording {
   std::optional<wire::CalibrationPacket> calibration_;
   client::Time first_frame_{};                      // of the recording, when it had come
   std::optional<client::ToldHealth> early_health_;  // the newest that came before it
+  std::uint64_t sessions_ = 0;                      // that the receiver has seen
   bool raw_begun_ = false;                          // in this session
   Counts counts_;
 };

@@ -39,7 +39,7 @@ std::string age_text(const std::optional<client::Duration>& age) {
 std::string LinkTeller::look(const client::LinkState& link,
                              const std::optional<wire::HealthReport>& health, client::Time now) {
   changes_.clear();
-  begun_ = begun_ || link.frame_age || link.health_age;
+  begun_ = begun_ || link.frame_age || link.health_age || link.forged_traffic;
   const std::string told_health =
       health_ == Health::kTold ? last_health(link, health) : std::string();
   const bool told = std::exchange(restarted_, link.restarted);

@@ -33,7 +33,8 @@ class LinkTeller {
   };
 
   // A line where something is to be told since the last call, with the age of the last health; else
-  // empty. Nothing is told before its first frame or health. `now` never goes back.
+  // empty. Nothing is told before its first frame or health, but for forged traffic. `now` never
+  // goes back.
   std::string look(const client::LinkState& link, const std::optional<wire::HealthReport>& health,
                    client::Time now);
   // Its lines one by one.

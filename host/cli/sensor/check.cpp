@@ -144,6 +144,7 @@ CheckFacts check_file(const CheckOptions& options) {
   auto reader = value_or_fail(recording::FrameReader::open(options.sensor));
   while (const std::optional<recording::RecordedFrame> frame = reader.next()) {
     facts.calibration = frame->calibration ? frame->calibration : facts.calibration;
+    facts.frames_without_lens += frame->calibration ? 0U : 1U;
     look_at(frame->view(), facts);
   }
   facts.lenses_contradict = reader.lenses().contradict();

@@ -296,6 +296,14 @@ Check check_calibration(const CheckFacts& facts) {
     check.verdict = CheckVerdict::kFix;
     check.found = "the installed one could not be used at the start: the factory's holds";
     check.fix = "stof calib install FILE " + sensor_of(facts);
+  } else if (facts.frames_without_lens != 0) {
+    check.verdict = CheckVerdict::kNote;
+    check.found = printed(
+        "fingerprint %08x; %llu of %llu frames have none: it had not come, or "
+        "another one contradicted it",
+        facts.calibration->fingerprint, static_cast<unsigned long long>(facts.frames_without_lens),
+        static_cast<unsigned long long>(facts.stats.counts.frames_complete +
+                                        facts.stats.counts.frames_incomplete));
   } else {
     check.found = printed("fingerprint %08x, no drift told", facts.calibration->fingerprint);
   }

@@ -32,9 +32,10 @@ struct CheckFacts {
   std::optional<client::Duration> silent_since{};  // age of the last frame then, where none comes
   std::optional<HealthState> health{};
   std::optional<wire::CalibrationPacket> calibration{};
-  bool lenses_contradict = false;  // of a recording: recording::ToldLenses
-  bool other_calibration = false;  // frames name another one than that which came
-  std::string drift{};             // as drift_text()
+  bool lenses_contradict = false;         // of a recording: recording::ToldLenses
+  std::uint64_t frames_without_lens = 0;  // of a recording
+  bool other_calibration = false;         // frames name another one than that which came
+  std::string drift{};                    // as drift_text()
   wire::ClockState clock = wire::ClockState::kMonotonic;
   NetworkFacts network{};
   int buffer = 0;         // bytes that the system granted

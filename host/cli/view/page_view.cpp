@@ -159,8 +159,9 @@ void PageView::show(const client::Frame& frame, const bridge::RobotFeed::Times& 
   }
 }
 
-void PageView::record(const client::Frame& frame, const client::Receiver& receiver) {
+void PageView::record(const client::Frame& frame, client::Receiver& receiver) {
   if (recording_) {
+    recording_->look(receiver);
     recording_->take(frame, receiver.place());
   }
 }

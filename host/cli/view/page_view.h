@@ -53,7 +53,7 @@ class PageView {
   // Of a sensor, all of it behind each look at the receiver: what is recorded, what the page wants
   // done, and twice a second how things are.
   void look(const ReceiveOptions& options, client::Receiver& receiver, client::Time now);
-  void record(const client::Frame& frame, const client::Receiver& receiver);
+  void record(const client::Frame& frame, client::Receiver& receiver);
   // Of a recording, twice a second: how things are. waiting: why no frame is shown; empty: they
   // are. False: it was not time.
   bool tell_recorded(const client::Statistics& statistics,

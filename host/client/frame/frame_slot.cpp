@@ -7,15 +7,23 @@ constexpr std::size_t kWordBits = 64;
 
 }  // namespace
 
-void PacketSet::begin(std::size_t count) { words_.assign((count + kWordBits - 1) / kWordBits, 0); }
+void PacketSet::begin(std::size_t count) {
+  words_.assign((count + kWordBits - 1) / kWordBits, 0);
+  crcs_.assign(count, 0);
+}
 
 bool PacketSet::has(std::size_t index) const noexcept {
   return index / kWordBits < words_.size() &&
          ((words_[index / kWordBits] >> (index % kWordBits)) & 1) != 0;
 }
 
-void PacketSet::insert(std::size_t index) noexcept {
+void PacketSet::insert(std::size_t index, std::uint32_t crc) noexcept {
   words_[index / kWordBits] |= std::uint64_t{1} << (index % kWordBits);
+  crcs_[index] = crc;
+}
+
+bool PacketSet::differs(std::size_t index, std::uint32_t crc) const noexcept {
+  return has(index) && crcs_[index] != 0 && crc != 0 && crcs_[index] != crc;
 }
 
 void FrameSlot::begin(const wire::Header& header, bool parity, Time now) {
@@ -51,7 +59,7 @@ Placed FrameSlot::add(const wire::PacketView& part, Time now) {
     return Placed::kContradicting;
   }
   if (packets_.has(header.index)) {
-    return Placed::kDuplicate;
+    return packets_.differs(header.index, part.crc) ? Placed::kContradicting : Placed::kDuplicate;
   }
   Placed placed = Placed::kIgnored;
   if (header.type == wire::PacketType::kTile) {
@@ -62,7 +70,7 @@ Placed FrameSlot::add(const wire::PacketView& part, Time now) {
   if (placed == Placed::kContradicting) {
     return placed;
   }
-  packets_.insert(header.index);
+  packets_.insert(header.index, part.crc);
   ++received_packets_;
   last_packet_ = now;
   if (parity() && !groups_[group_of(header.index)].one_is_missing()) {
@@ -91,7 +99,7 @@ Placed FrameSlot::add_parity(const wire::PacketView& packet, Time now) {
   }
   const std::size_t group = packet.header.index;
   if (parity_packets_.has(group)) {
-    return Placed::kDuplicate;
+    return parity_packets_.differs(group, packet.crc) ? Placed::kContradicting : Placed::kDuplicate;
   }
   if (parity()) {
     if (group >= groups_.size() || groups_[group].add_parity(packet) != Status::kOk) {
@@ -100,7 +108,7 @@ Placed FrameSlot::add_parity(const wire::PacketView& packet, Time now) {
   } else if (group >= wire::parity_groups(header_.count)) {
     return Placed::kContradicting;
   }
-  parity_packets_.insert(group);
+  parity_packets_.insert(group, packet.crc);
   last_packet_ = now;
   return Placed::kStored;
 }

@@ -25,10 +25,14 @@ class PacketSet {
  public:
   void begin(std::size_t count);
   bool has(std::size_t index) const noexcept;  // false beyond the end
-  void insert(std::size_t index) noexcept;     // below the count
+  // Below the count. crc: as of wire::PacketView.
+  void insert(std::size_t index, std::uint32_t crc) noexcept;
+  // Whether that one arrived with other bytes: networks repeat exactly, so two have sent it.
+  bool differs(std::size_t index, std::uint32_t crc) const noexcept;
 
  private:
   std::vector<std::uint64_t> words_;
+  std::vector<std::uint32_t> crcs_;
 };
 
 // What a frame says that it was made with.

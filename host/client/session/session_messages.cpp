@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <utility>
 
 #include "firmware/wire/calibration/calibration_packet.h"
@@ -11,29 +12,28 @@
 namespace stof::client {
 namespace {
 
-constexpr std::int32_t kWindow = 64;           // sequences that are told apart
 constexpr std::int32_t kMostEvents = 1 << 16;  // that were all lost in a row
 // An event is sent again after a second.
 constexpr Duration kRepetition = std::chrono::milliseconds(500);
 
-constexpr std::uint64_t kUptimeSlackMs = 2000;
 // A calibration that changes is followed by frames that were made with it.
 constexpr Duration kChangeHolds = std::chrono::seconds(5);
 
-constexpr Duration kHealthSilence = std::chrono::milliseconds(2500);  // one a second is sent
-
-// Whether an uptime follows one that was told at `then`.
-bool follows(std::uint64_t uptime_ms, std::uint64_t before_ms, Time then, Time now) noexcept {
-  const std::int64_t elapsed_ms = now <= then ? 0 : (now - then) / std::chrono::milliseconds(1);
-  const std::uint64_t most = static_cast<std::uint64_t>(elapsed_ms + elapsed_ms / 16);
-  return uptime_ms >= before_ms && uptime_ms - before_ms <= most + kUptimeSlackMs;
+template <typename Report, std::size_t kBytes>
+bool same_bytes(const Report& a, const Report& b,
+                void (*encode)(const Report&, std::span<std::byte, kBytes>) noexcept) noexcept {
+  std::array<std::array<std::byte, kBytes>, 2> bytes;
+  encode(a, bytes[0]);
+  encode(b, bytes[1]);
+  return bytes[0] == bytes[1];
 }
 
 bool same(const wire::HealthReport& a, const wire::HealthReport& b) noexcept {
-  std::array<std::array<std::byte, wire::kHealthReportBytes>, 2> bytes;
-  wire::encode_health_report(a, bytes[0]);
-  wire::encode_health_report(b, bytes[1]);
-  return bytes[0] == bytes[1];
+  return same_bytes(a, b, wire::encode_health_report);
+}
+
+bool same(const wire::EventReport& a, const wire::EventReport& b) noexcept {
+  return same_bytes(a, b, wire::encode_event_report);
 }
 
 bool is_period(std::int64_t period_ns) noexcept {
@@ -48,12 +48,15 @@ std::size_t SessionMessages::restart(bool outlasts) {
   RawAssembler raw = std::move(raw_);  // its counts are the receiver's
   const LensBook lenses = lenses_;
   const std::uint64_t lies = lies_;
+  const HealthBook health = health_;
   const auto healths = healths_;
   *this = SessionMessages();
   raw_ = std::move(raw);
   lenses_ = lenses;
   lenses_.restart(outlasts);
   lies_ = lies;
+  health_ = health;
+  health_.restart();
   healths_ = healths;
   return untaken;
 }
@@ -121,27 +124,20 @@ MessageOutcome SessionMessages::push_health(const wire::PacketView& packet, Time
   if (!decoded) {
     return MessageOutcome::kContradicting;
   }
-  if (!believes_uptime(decoded->uptime_ms, arrived)) {
-    refused_health_ = {.value = decoded->uptime_ms, .at = arrived};
-    return decoded->uptime_ms < health_->uptime_ms ? MessageOutcome::kLate
-                                                   : MessageOutcome::kImplausible;
-  }
-  if (!health_ || !same(*health_, *decoded)) {
+  const std::optional<wire::HealthReport> before = health_.current();
+  const HealthBook::Verdict verdict = health_.take(*decoded, arrived);
+  if (!before || !same(*before, *health_.current())) {
     healths_.push({.report = *decoded, .from = packet.header.origin, .arrived = arrived});
   }
-  health_ = *decoded;
-  health_at_ = arrived;
-  refused_health_.reset();
-  return MessageOutcome::kTaken;
-}
-
-bool SessionMessages::believes_uptime(std::uint64_t uptime_ms, Time arrived) const noexcept {
-  if (!health_ || follows(uptime_ms, health_->uptime_ms, health_at_, arrived)) {
-    return true;
+  switch (verdict) {
+    case HealthBook::Verdict::kLate:
+      return MessageOutcome::kLate;
+    case HealthBook::Verdict::kImplausible:
+      return MessageOutcome::kImplausible;
+    case HealthBook::Verdict::kTaken:
+      break;
   }
-  return arrived - health_at_ >= kHealthSilence && refused_health_ &&
-         uptime_ms > refused_health_->value &&
-         follows(uptime_ms, refused_health_->value, refused_health_->at, arrived);
+  return MessageOutcome::kTaken;
 }
 
 MessageOutcome SessionMessages::push_event(const wire::PacketView& packet, Time arrived,
@@ -164,9 +160,14 @@ MessageOutcome SessionMessages::push_event(const wire::PacketView& packet, Time 
   if (outside()) {
     return ahead < 0 ? MessageOutcome::kLate : MessageOutcome::kImplausible;
   }
+  wire::EventReport& known = events_seen_[event->sequence % kWindow];
   if (seen(event->sequence)) {
-    return MessageOutcome::kTaken;
+    if (same(known, *event)) {
+      return MessageOutcome::kTaken;
+    }
+    ++lies_;  // one of the two is somebody else's: whoever takes them gets both
   }
+  known = *event;
   if (ahead > 0) {
     older_events_ = ahead < kWindow ? older_events_ << ahead : 0;
     newest_event_ = event->sequence;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "host/client/frame/frame_slot.h"
 #include "host/client/raw/raw_assembler.h"
 #include "host/client/session/frame_sequence.h"
+#include "host/client/session/health_book.h"
 #include "host/client/session/lens_book.h"
 #include "host/client/session/reports.h"
 
@@ -28,9 +30,8 @@ enum class MessageOutcome : std::uint8_t {
 
 // The messages of one session beside its frames. `arrived`: when the packet did; never earlier than
 // the one before. Each counter may advance as fast as the time that has passed, and a little more.
-// Where what is known is wrong nevertheless, it is replaced: health after 2.5 seconds without one
-// that was believed, by one whose uptime advances; events by one that is repeated; calibrations as
-// LensBook says.
+// Where what is known is wrong nevertheless, it is replaced: health as HealthBook says, events by
+// one that is repeated, calibrations as LensBook says.
 class SessionMessages {
  public:
   // most_raw_pixels: of a raw picture. units_change: as of LensBook.
@@ -49,8 +50,8 @@ class SessionMessages {
   // though no frame was made with other settings or another calibration meanwhile, was not always
   // the sensor's.
   void note_frame(const std::optional<MadeWith>& made, ImageSize depth, Time arrived) noexcept;
-  // Such changes, over all sessions.
-  std::uint64_t lies() const noexcept { return lies_; }
+  // Such changes, events that contradict each other, and HealthBook::lies(), over all sessions.
+  std::uint64_t lies() const noexcept { return lies_ + health_.lies(); }
   MessageOutcome push_health(const wire::PacketView& packet, Time arrived);
   // overflow: an older event was given up for it.
   MessageOutcome push_event(const wire::PacketView& packet, Time arrived, bool& overflow);
@@ -60,10 +61,10 @@ class SessionMessages {
     return calibration_;
   }
   const LensBook& lenses() const noexcept { return lenses_; }
-  const std::optional<wire::HealthReport>& health() const noexcept { return health_; }
+  const std::optional<wire::HealthReport>& health() const noexcept { return health_.current(); }
   // When they arrived; only where there is one.
   Time calibration_at() const noexcept { return calibration_at_; }
-  Time health_at() const noexcept { return health_at_; }
+  Time health_at() const noexcept { return health_.at(); }
 
   // In the order of arrival, each once; 64 events of this session are kept, and 16 reports of
   // health. A recording that is played repeats the same one.
@@ -74,6 +75,8 @@ class SessionMessages {
   const RawAssembler& raw() const noexcept { return raw_; }
 
  private:
+  static constexpr std::int32_t kWindow = 64;  // sequences of events that are told apart
+
   // A counter that was not believed.
   struct Refused {
     std::uint64_t value = 0;
@@ -83,7 +86,6 @@ class SessionMessages {
   void choose_calibration() noexcept;
   void note_change(const wire::CalibrationPacket& calibration, Time arrived) noexcept;
   bool seen(std::uint32_t sequence) const noexcept;
-  bool believes_uptime(std::uint64_t uptime_ms, Time arrived) const noexcept;
   bool repeats_refused_event(std::uint32_t sequence, Time arrived) noexcept;
 
   std::optional<MadeWith> made_;  // the newest frame
@@ -95,15 +97,14 @@ class SessionMessages {
   std::uint64_t lies_ = 0;
   std::uint32_t calibration_frame_ = 0;
   Time calibration_at_;
-  std::optional<wire::HealthReport> health_;
-  Time health_at_;
-  std::optional<Refused> refused_health_;  // by its uptime
-  std::optional<Refused> refused_event_;   // by its sequence
+  HealthBook health_;
+  std::optional<Refused> refused_event_;  // by its sequence
   ReportQueue<wire::EventReport, 64> events_;
   ReportQueue<wire::HealthReport, 16> healths_;
   bool event_seen_ = false;
-  std::uint32_t newest_event_ = 0;  // sequence
-  std::uint64_t older_events_ = 0;  // bit k: sequence newest_event_ - k arrived
+  std::uint32_t newest_event_ = 0;                      // sequence
+  std::uint64_t older_events_ = 0;                      // bit k: sequence newest_event_ - k arrived
+  std::array<wire::EventReport, kWindow> events_seen_;  // these, by their sequence
   RawAssembler raw_;
 };
 

@@ -9,8 +9,12 @@ bool same(const wire::Origin& one, const wire::Origin& other) noexcept {
 
 }  // namespace
 
-SessionTracker::Verdict SessionTracker::judge(const wire::Origin& origin, bool proven, Time now) {
+SessionTracker::Verdict SessionTracker::judge(const wire::Origin& origin, bool tells, bool proven,
+                                              Time now) {
   const bool told = proven || (expected_ && same(*expected_, origin));
+  if (!tells && !told) {
+    return current_ && same(*current_, origin) ? Verdict::kCurrent : Verdict::kForeign;
+  }
   if (expected_ ? !told : device_id_ && *device_id_ != origin.device_id) {
     refuse(origin, now);
     return Verdict::kForeign;

@@ -28,8 +28,9 @@ class SessionTracker {
 
   // An answer to a request came from this one.
   void expect(const wire::Origin& origin) noexcept { expected_ = origin; }
-  // proven: the packet is signed for us, and with it its session.
-  Verdict judge(const wire::Origin& origin, bool proven, Time now);
+  // tells: tells_of_sensor(); what does not begins no session that the sensor did not name, and
+  // keeps none. proven: the packet is signed for us, and with it its session.
+  Verdict judge(const wire::Origin& origin, bool tells, bool proven, Time now);
 
   const std::optional<wire::Origin>& current() const noexcept { return current_; }
   // The sensor itself told the current one and the one before: what was learned of it then holds.

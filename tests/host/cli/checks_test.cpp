@@ -280,6 +280,17 @@ TEST(Checks, LetSilenceAloneBeNoMatterOfLosses) {
   EXPECT_NE(many.fix.find("stood still"), std::string::npos) << many.fix;
 }
 
+TEST(Checks, SayHowManyFramesOfAFileHaveNoLens) {
+  CheckFacts facts = good();
+  facts.recorded = true;
+  EXPECT_EQ(check_of(facts, "calibration").verdict, CheckVerdict::kOk);
+  facts.stats.counts.frames_complete = 273;
+  facts.frames_without_lens = 233;
+  EXPECT_EQ(check_of(facts, "calibration").verdict, CheckVerdict::kNote);
+  EXPECT_NE(check_of(facts, "calibration").found.find("233 of 273 frames have none"),
+            std::string::npos);
+}
+
 TEST(Checks, OfARecordingAreThoseThatItTells) {
   CheckFacts facts = good();
   facts.recorded = true;

@@ -109,6 +109,12 @@ TEST(LinkTeller, TellsNothingOfASensorThatNeverCame) {
   EXPECT_EQ(teller.silences(), 0U);
 }
 
+TEST(LinkTeller, TellsForgedTrafficBeforeAnyFrameOrHealth) {
+  LinkTeller teller;
+  EXPECT_NE(teller.look({.silent = true, .forged_traffic = true}, {}, kStart), "");
+  EXPECT_EQ(teller.changes().back().state, std::string("forged_traffic"));
+}
+
 TEST(LinkTeller, TellsSilenceOfASensorThatOnlyToldItsHealth) {
   LinkTeller teller;
   EXPECT_EQ(teller.look({.silent = true, .health_age = 100ms}, kGood, kStart),

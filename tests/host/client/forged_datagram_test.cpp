@@ -52,9 +52,9 @@ class Forged : public testing::Test {
     reassembler_.push(
         test::report_datagram(spec(number_, number_), wire::PacketType::kHealth, payload), now_);
   }
-  bool event(std::uint32_t sequence) {
+  bool event(std::uint32_t sequence, std::uint8_t active = 0) {
     std::array<std::byte, wire::kEventReportBytes> payload{};
-    wire::encode_event_report({.sequence = sequence}, payload);
+    wire::encode_event_report({.sequence = sequence, .active = active}, payload);
     reassembler_.push(
         test::report_datagram(spec(number_, number_), wire::PacketType::kEvent, payload), now_);
     return reassembler_.take_event().has_value();
@@ -339,6 +339,15 @@ TEST_F(Forged, AnEventFarAheadSilencesNone) {
   EXPECT_FALSE(event(10 + (1U << 30)));
   EXPECT_TRUE(event(11));
   EXPECT_EQ(reassembler_.statistics().implausible, 1U);
+}
+
+TEST_F(Forged, AnEventThatContradictsAnotherOneHidesNoneAndIsTold) {
+  EXPECT_TRUE(event(10, 0));
+  EXPECT_EQ(reassembler_.forgeries(), 0U);
+  EXPECT_TRUE(event(10, 1));
+  EXPECT_EQ(reassembler_.forgeries(), 1U);
+  EXPECT_FALSE(event(10, 1));
+  EXPECT_EQ(reassembler_.forgeries(), 1U);
 }
 
 TEST_F(Forged, AFirstEventThatLiesSilencesNoneThatIsRepeated) {

@@ -268,6 +268,7 @@ TEST(RawReassembly, WhatNobodyAskedForIsUnknown) {
 // Beside the frames, through all that a datagram passes.
 TEST(RawReassembly, EveryDatagramIsCountedOnceAndAnotherSessionBeginsAnew) {
   Reassembler reassembler({.max_pixels = std::size_t{1} << 16, .raw_pictures = true});
+  reassembler.expect(test::kOrigin);
   const Exposure sent(1);
   std::vector<Datagram> packets = sent.packets(1);
   std::uint64_t pushed = 0;

@@ -48,7 +48,7 @@ TEST(Health, TheNewestOfTheSessionIsKept) {
   Reassembler reassembler;
   EXPECT_FALSE(reassembler.health());
   reassembler.push(health(2000, 5), kStart);
-  reassembler.push(health(1000, 7), kStart);
+  reassembler.push(health(1900, 7), kStart);
   ASSERT_TRUE(reassembler.health());
   EXPECT_EQ(reassembler.health()->active, 5U);
   EXPECT_EQ(reassembler.statistics().late, 1U);
@@ -76,7 +76,7 @@ TEST(Health, EachIsTakenOnceWithItsSessionAndTime) {
   reassembler.push(health(1000, 5), kStart);
   reassembler.push(health(2000, 6), kStart + std::chrono::milliseconds(900));
   reassembler.push(health(2000, 6), kStart + std::chrono::milliseconds(920));  // sent again
-  reassembler.push(health(1500), kStart + std::chrono::milliseconds(950));     // late: not believed
+  reassembler.push(health(1990), kStart + std::chrono::milliseconds(950));     // late: not believed
   reassembler.push(health(10, 7, 2), again + std::chrono::seconds(1));
   std::vector<std::uint32_t> active;
   std::vector<std::uint32_t> sessions;

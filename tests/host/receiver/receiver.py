@@ -35,6 +35,7 @@ DEFAULT_PORT = 7560
 LEASE_MS = 3000
 SILENCE_S = 1.0
 SESSION_SILENCE_S = 1.2
+TELLING_OF_SENSOR = (TILE, FRAME_INFO, PARITY, CALIBRATION, HEALTH, EVENT)  # they begin a session and keep it
 ASK_AGAIN_S = 0.2
 
 
@@ -169,11 +170,15 @@ class Receiver:
                 self.device = header.device
             if (header.device, header.session) != self.told if self.told else header.device != self.device:
                 raise Refused("foreign")
-            if header.session != self.session:
+            if header.type not in TELLING_OF_SENSOR:
+                if header.session != self.session:
+                    raise Refused("unknown" if self.session is None else "foreign")
+            elif header.session != self.session:
                 if self.session is not None and self.told is None and now - self.heard < SESSION_SILENCE_S:
                     raise Refused("foreign")
                 self.begin_session(header.session)
-            self.heard = now
+            if header.type in TELLING_OF_SENSOR:
+                self.heard = now
             if header.type < FIRST_OWN_COUNTING:
                 closed = self.push_part(header, payload)
                 self.last_packet = now

@@ -1,0 +1,113 @@
+// Two senders of one frame: the network repeats packets exactly, so others are somebody else's.
+#include <chrono>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/client/reassembler.h"
+#include "host/client/session/session_tracker.h"
+#include "tests/host/client/sent_frame.h"
+
+namespace stof::client {
+namespace {
+
+using std::chrono::milliseconds;
+using test::Datagram;
+using test::datagrams;
+using test::frame_spec;
+using test::FrameSpec;
+
+constexpr Time kStart{std::chrono::seconds(100)};
+
+class ForgedFrame : public testing::Test {
+ protected:
+  int push(const std::vector<Datagram>& packets) {
+    int came = 0;
+    for (const Datagram& packet : packets) {
+      reassembler_.push(packet, now_);
+      came += reassembler_.take(now_) ? 1 : 0;
+    }
+    now_ += milliseconds(33);
+    return came;
+  }
+  static std::vector<Datagram> parts(std::uint32_t number, std::uint64_t seed,
+                                     bool parity = false) {
+    FrameSpec spec = frame_spec(number);
+    spec.seed = seed;
+    spec.parity = parity;
+    return datagrams(spec);
+  }
+
+  Reassembler reassembler_;
+  Time now_ = kStart;
+};
+
+TEST_F(ForgedFrame, WhatTheNetworkRepeatsIsNoForgery) {
+  for (const bool parity : {false, true}) {
+    reassembler_ = Reassembler();
+    for (std::uint32_t number = 1; number < 5; ++number) {
+      std::vector<Datagram> packets = parts(number, number, parity);
+      packets.insert(packets.begin() + 3, packets[2]);
+      EXPECT_EQ(push(packets), 1);
+      EXPECT_EQ(push(packets), 0);
+    }
+    EXPECT_EQ(reassembler_.forgeries(), 0U) << parity;
+    EXPECT_EQ(reassembler_.statistics().bad_field, 0U) << parity;
+  }
+}
+
+TEST_F(ForgedFrame, AWholeOneBeforeTheSensorsIsTold) {
+  for (const bool parity : {false, true}) {
+    reassembler_ = Reassembler();
+    EXPECT_EQ(push(parts(1, 1, parity)), 1);
+    EXPECT_EQ(push(parts(2, 77, parity)), 1);  // somebody else's
+    EXPECT_EQ(reassembler_.forgeries(), 0U) << parity;
+    EXPECT_EQ(push(parts(2, 2, parity)), 0);
+    EXPECT_GT(reassembler_.forgeries(), 0U) << parity;
+  }
+}
+
+TEST_F(ForgedFrame, OnePacketOfItBeforeTheSensorsIsTold) {
+  std::vector<Datagram> packets = parts(2, 2);
+  EXPECT_EQ(push({parts(2, 77)[1]}), 0);
+  EXPECT_EQ(reassembler_.forgeries(), 0U);
+  push(packets);
+  EXPECT_GT(reassembler_.forgeries(), 0U);
+}
+
+TEST_F(ForgedFrame, OneOfAnotherExposureIsTold) {
+  FrameSpec other = frame_spec(2);
+  other.freshness = 3;
+  EXPECT_EQ(push({datagrams(other).front()}), 0);
+  push(parts(2, 2));
+  EXPECT_GT(reassembler_.forgeries(), 0U);
+}
+
+// What parity made good came in no datagram, so that the one that comes after all is none of two.
+TEST_F(ForgedFrame, WhatComesAfterParityMadeItGoodIsNoForgery) {
+  push(parts(1, 1, true));  // the sender uses it
+  std::vector<Datagram> packets = parts(2, 2, true);
+  const Datagram late = packets[2];
+  packets.erase(packets.begin() + 2);
+  EXPECT_EQ(push(packets), 1);
+  EXPECT_EQ(reassembler_.statistics().recovered, 1U);
+  EXPECT_EQ(push({late}), 0);
+  EXPECT_EQ(reassembler_.forgeries(), 0U);
+}
+
+// Of a session that was never that sensor's: what says nothing of a sensor makes and keeps none.
+TEST_F(ForgedFrame, WhatIsNoNewsOfASensorHoldsNoListener) {
+  Datagram idle = test::calibration_datagram(frame_spec(1), 1);
+  for (const unsigned type : {68U, 69U, 127U, 200U}) {
+    reassembler_ = Reassembler();
+    idle[5] = static_cast<std::byte>(type);
+    test::reseal(idle);
+    push({idle});
+    FrameSpec spec = frame_spec(1);
+    spec.origin.session_id = 9;
+    EXPECT_EQ(push(datagrams(spec)), 1) << type;
+  }
+}
+
+}  // namespace
+}  // namespace stof::client
