@@ -26,7 +26,8 @@ void choose_parts(const CalibPmdOptions& options, CalibrateOptions& calibrate) {
                      .wiggling = named("wiggling"),
                      .pattern = named("pattern"),
                      .stray = named("stray"),
-                     .emitter = named("emitter") && !options.no_emitters};
+                     .emitter = named("emitter") && !options.no_emitters,
+                     .wall_turn = named("pattern")};
   calibrate.noise = named("noise");
   calibrate.white = named("white");
 }

@@ -65,6 +65,8 @@ ordered_json walls_json(const CalibFolderOptions& options, const ExtrinsicFit& f
                         const FoundWalls& found, const std::vector<std::string>& missing) {
   ordered_json json = place_json(options, fit);
   json["misfit"] = fit.misfit;
+  json["turned_rad"] = fit.turned_rad;
+  json["apart_mm"] = fit.apart_m * kMmPerMetre;
   json["pmd_offset_mm"] = fit.offset_m * kMmPerMetre;
   json["pmd_offset_sigma_mm"] = fit.offset_sigma_m * kMmPerMetre;
   json["walls"] = ordered_json::array();
@@ -118,6 +120,12 @@ Placed by_walls(const CalibFolderOptions& options, const dsp::Calibration& rig) 
         options.folder.string() + ": " +
             (missing.empty() ? "the walls do not tell where the PMD camera is" : missing.front()) +
             ": add such walls, no file is written" + (fit ? "; or give --force" : ""));
+  }
+  if (const std::string why = fit->contradiction(); !why.empty() && !options.force) {
+    throw Failure(Exit::kBadInput,
+                  options.folder.string() + ": " + why +
+                      ": calibrate the PMD camera anew (stof calib pmd) before walls that face it, "
+                      "keep these walls free and flat, no file is written; or give --force");
   }
   return {*fit, walls_json(options, *fit, found, missing)};
 }
@@ -215,6 +223,7 @@ void calib_check(const CalibFolderOptions& options) {
     json["folder"] = folder.string();
     json["calibration"] = options.calibration.string();
     json["advice"] = lines;
+    json["not_judged"] = doubts(check);
     say_json(json);
   } else {
     say_text(check_text(check));

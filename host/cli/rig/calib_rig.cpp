@@ -185,7 +185,8 @@ void add_extrinsics(CLI::App& calib, CalibFolderOptions& options) {
                   "How far PMD distances may be off, all alike: standard deviation, mm")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
-  command.add_flag("--force", options.force, "Write the file although tilts are missing");
+  command.add_flag("--force", options.force,
+                   "Write the file although tilts are missing, or walls contradict each other");
   add_search(command, options.min_disparity, options.disparities, options.threads);
   add_json_flag(command, options.json);
   command.callback([&options] { calib_extrinsics(options); });

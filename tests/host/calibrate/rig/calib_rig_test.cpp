@@ -66,7 +66,7 @@ class CalibRig : public ::stof::test::Scratch {
       refusal = refused(Exit::kFailure, [&] { calib_check(options); });
     }
     const nlohmann::json said = nlohmann::json::parse(testing::internal::GetCapturedStdout());
-    EXPECT_EQ(said.size(), 5U) << said;
+    EXPECT_EQ(said.size(), 6U) << said;
     EXPECT_EQ(said.at("folder"), views().string());
     EXPECT_EQ(said.at("calibration"), file(calibration).string());
     EXPECT_EQ(said.at("advice").empty(), fits) << said;
@@ -342,6 +342,33 @@ TEST_F(CalibRigWalls, TiltedWallsTellWhereThePmdCameraIs) {
   EXPECT_GT(fits.at("depths").at("points"), 100);
 }
 
+// Here a PMD camera that counts a degree off at its borders, as one does that was calibrated before
+// walls it did not face.
+TEST_F(CalibRigWalls, WallsThatTheSensorsSeeApartAreRefused) {
+  put_walls({{0, 0, 1.5},
+             {0.5, 0, 1.4},
+             {-0.5, 0, 1.6},
+             {0, 0.45, 1.5},
+             {0, -0.45, 1.3},
+             {0.35, 0.35, 1.7}});
+  dsp::Calibration start = rig_with_pmd();
+  start.pmd.emitter_count = 1;
+  start.pmd.emitters[0] = {-0.2, -0.15, 0};
+  ASSERT_TRUE(write_calibration(file("start.cal"), start));
+  CalibFolderOptions options{
+      .folder = views(), .calibration = file("start.cal"), .out = file("rig.cal")};
+  testing::internal::CaptureStdout();
+  EXPECT_NE(refused(Exit::kBadInput, [&] { calib_extrinsics(options); })
+                .find("the sensors see these walls"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(file("rig.cal")));
+  options.force = true;
+  calib_extrinsics(options);
+  EXPECT_TRUE(std::filesystem::exists(file("rig.cal")));
+  const std::string said = testing::internal::GetCapturedStdout();
+  EXPECT_NE(said.find("mm apart"), std::string::npos) << said;
+}
+
 TEST_F(CalibRigWalls, WallsThatAllStandAlikeAreRefusedWithTheTiltThatIsMissing) {
   put_walls({{0, 0, 1.5}, {0.02, 0, 1.4}, {-0.02, 0, 1.6}, {0, 0.02, 1.5}, {0, -0.02, 1.3}});
   ASSERT_TRUE(write_calibration(file("start.cal"), rig_with_pmd()));
@@ -412,6 +439,18 @@ TEST_F(CalibRig, CheckDoesNotSayThatARigFitsWhoseRowsItCannotJudge) {
       {.rows = std::nullopt, .depths = DepthCheck{.points = 100, .median_mm = 1, .spread_mm = 5}});
   ASSERT_EQ(lines.size(), 1U);
   EXPECT_TRUE(lines[0].starts_with("rows cannot be judged")) << lines[0];
+}
+
+TEST(RigCheck, SaysWhatItsReadingsCannotTell) {
+  RigCheck check{.rows = RowCheck{.points = 50},
+                 .depths = DepthCheck{.points = 100, .median_mm = 3, .spread_mm = 64}};
+  ASSERT_EQ(doubts(check).size(), 1U);
+  EXPECT_NE(doubts(check)[0].find("less than about 1.8 degrees"), std::string::npos)
+      << doubts(check)[0];
+  check.depths->spread_mm = 12;
+  EXPECT_TRUE(doubts(check).empty());
+  check.depths.reset();
+  EXPECT_EQ(doubts(check).size(), 1U);
 }
 
 TEST_F(CalibRig, CheckPrintsNoJsonOfWhatItCannotRead) {
