@@ -4,9 +4,11 @@
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/rig/extrinsics/pmd_board_views.h"
 #include "host/calibrate/rig/report/rig_report.h"
+#include "host/cli/calib_files.h"
 #include "host/cli/failure.h"
 #include "host/cli/json_output.h"
 #include "host/cli/output.h"
+#include "host/cli/own_keys.h"
 #include "host/cli/rig/live_views.h"
 #include "host/cli/rig/stereo_json.h"
 
@@ -194,6 +196,7 @@ void calib_extrinsics(const CalibFolderOptions& options) {
                       ": holds no PMD camera: calibrate it first (stof calib pmd)");
   }
   need_file(options.out, "--out");
+  need_calibration_out(options.out);
   if (!options.board.empty()) {
     pmd_board(options, rig);  // before a sensor is asked
   }
@@ -203,7 +206,7 @@ void calib_extrinsics(const CalibFolderOptions& options) {
   }
   const Placed placed = options.board.empty() ? by_walls(from, rig) : by_boards(from, rig);
   rig.pmd_to_stereo = transform_of(placed.fit.pmd_to_stereo);
-  value_or_fail(write_calibration(options.out, rig));
+  value_or_end(write_calibration(options.out, rig));
   if (options.json) {
     say_json(placed.json);
   } else {

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "dataset/dataset.h"
+#include "dataset/files/file.h"
 #include "host/calibrate/calibration_store.h"
 #include "host/cli/failure.h"
 #include "host/cli/rig/calib_rig.h"
 #include "tests/dataset/scratch.h"
+#include "tests/host/calibrate/rig/board_views.h"
 
 namespace stof::host {
 namespace {
@@ -94,6 +96,90 @@ TEST_F(CalibRigInput, NothingIsLeftWhereNoSensorAnswers) {
     left.push_back(entry.path().filename());
   }
   EXPECT_EQ(left, std::vector<std::string>{"start.cal"});
+}
+
+TEST_F(CalibRigInput, SaysHowManyViewsHaveOnePictureAlone) {
+  for (const char* const view : {"c", "a", "b"}) {
+    put_pair(view, {64, 48, 90}, {64, 48, 90});
+    std::filesystem::remove(views() / view / "right.pgm");
+  }
+  const std::string line =
+      refused(Exit::kBadInput, [&] { calib_stereo({.target = views(), .out = file("rig.cal")}); });
+  EXPECT_NE(line.find((views() / "a").string() + ": has no right.pgm, as 2 more miss one of both"),
+            std::string::npos)
+      << line;
+}
+
+TEST_F(CalibRigInput, WhatIsNoFolderIsToldAsWhatItIs) {
+  ASSERT_TRUE(write_calibration(file("rig.cal"), rig_with_pmd()));
+  for (const auto& [name, what] :
+       {std::pair("nothere", ": does not exist"), std::pair("rig.cal", ": is no folder")}) {
+    const std::string line = refused(
+        Exit::kBadInput, [&] { calib_stereo({.target = file(name), .out = file("made.cal")}); });
+    EXPECT_NE(line.find(file(name).string() + what), std::string::npos) << line;
+  }
+}
+
+// What is read, and what is no calibration, outlasts a mistyped --out.
+TEST_F(CalibRigInput, NothingButACalibrationIsWrittenOver) {
+  dsp::Calibration rig;
+  rig.stereo.raw = test::true_pair();
+  ASSERT_STREQ(dsp::complete(rig.stereo), "");
+  ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
+  testing::internal::CaptureStdout();
+  calib_export({.format = "opencv", .files = {}, .out = file("cv.yml"), .start = file("rig.cal")});
+  calib_export({.format = "opencv", .files = {}, .out = file("other"), .start = file("rig.cal")});
+  const dataset::Loaded<std::string> before = dataset::read_whole(file("cv.yml"), 1U << 20);
+  ASSERT_TRUE(before);
+  const auto import_to = [&](const std::filesystem::path& out) {
+    calib_import({.format = "opencv", .files = {file("cv.yml")}, .out = out});
+  };
+  std::filesystem::create_symlink(file("cv.yml"), file("link"));
+  for (const char* const name : {"cv.yml", "link"}) {
+    EXPECT_NE(refused(Exit::kBadInput, [&] { import_to(file(name)); }).find("is what is read"),
+              std::string::npos);
+  }
+  EXPECT_NE(refused(Exit::kBadInput, [&] { import_to(file("other")); })
+                .find("is there and is no calibration"),
+            std::string::npos);
+  EXPECT_NE(refused(Exit::kBadInput,
+                    [&] {
+                      calib_export({.format = "opencv",
+                                    .files = {},
+                                    .out = file("rig.cal"),
+                                    .start = file("rig.cal")});
+                    })
+                .find("is what is read"),
+            std::string::npos);
+  const dataset::Loaded<std::string> after = dataset::read_whole(file("cv.yml"), 1U << 20);
+  ASSERT_TRUE(after);
+  EXPECT_EQ(*before, *after);
+  EXPECT_TRUE(read_calibration(file("rig.cal")));
+  import_to(file("rig.cal"));  // one calibration over another
+  import_to(file("new.cal"));
+  testing::internal::GetCapturedStdout();
+}
+
+TEST_F(CalibRigInput, AnOutThatIsNoFileIsToldAsWhatItIs) {
+  dsp::Calibration rig;
+  rig.stereo.raw = test::true_pair();
+  ASSERT_STREQ(dsp::complete(rig.stereo), "");
+  ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
+  testing::internal::CaptureStdout();
+  calib_export({.format = "opencv", .files = {}, .out = file("cv.yml"), .start = file("rig.cal")});
+  testing::internal::GetCapturedStdout();
+  const auto import_to = [&](Exit code, const std::filesystem::path& out) {
+    return refused(
+        code, [&] { calib_import({.format = "opencv", .files = {file("cv.yml")}, .out = out}); });
+  };
+  EXPECT_NE(import_to(Exit::kBadInput, folder()).find("is a folder: give a file"),
+            std::string::npos);
+  EXPECT_NE(import_to(Exit::kBadInput, "").find("--out: names no file"), std::string::npos);
+  EXPECT_NE(import_to(Exit::kBadInput, file("rig.cal") / "x").find("is not a folder"),
+            std::string::npos);
+  // As everywhere: a full disk is 1.
+  EXPECT_NE(import_to(Exit::kFailure, "/dev/full").find("/dev/full: cannot be written"),
+            std::string::npos);
 }
 
 }  // namespace
