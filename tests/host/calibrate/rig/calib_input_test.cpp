@@ -1,11 +1,14 @@
-// Wrong input of `stof calib`: one line, the documented code, and nothing is left.
+// Wrong input of `stof calib`: one line, the documented code, and nothing is left. And what it
+// writes that it reads again.
 #include <algorithm>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "dataset/dataset.h"
 #include "dataset/files/file.h"
 #include "host/calibrate/calibration_store.h"
+#include "host/calibrate/rig/check/rig_check.h"
 #include "host/cli/failure.h"
 #include "host/cli/rig/calib_rig.h"
 #include "tests/dataset/scratch.h"
@@ -180,6 +183,73 @@ TEST_F(CalibRigInput, AnOutThatIsNoFileIsToldAsWhatItIs) {
   // As everywhere: a full disk is 1.
   EXPECT_NE(import_to(Exit::kFailure, "/dev/full").find("/dev/full: cannot be written"),
             std::string::npos);
+}
+
+TEST_F(CalibRigInput, WhatIsExportedIsImportedAgain) {
+  dsp::Calibration rig;
+  rig.stereo.raw = test::true_pair();
+  ASSERT_STREQ(dsp::complete(rig.stereo), "");
+  ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
+  const auto printed_by = [](const auto& work) {
+    testing::internal::CaptureStdout();
+    work();
+    return nlohmann::json::parse(testing::internal::GetCapturedStdout());
+  };
+  for (const char* const format : {"kalibr", "opencv", "ros"}) {
+    const nlohmann::json written = printed_by([&] {
+      calib_export({.format = format,
+                    .files = {},
+                    .out = file("out"),
+                    .start = file("rig.cal"),
+                    .json = true});
+    });
+    for (const nlohmann::json& name : written.at("files")) {
+      EXPECT_TRUE(std::filesystem::is_regular_file(name.get<std::string>())) << written;
+    }
+    std::vector<std::filesystem::path> files{file("out")};
+    if (std::string_view(format) == "ros") {
+      files = {file("out") / "left.yaml", file("out") / "right.yaml"};
+    }
+    EXPECT_EQ(written.at("files").size(), files.size());
+    const nlohmann::json told = printed_by([&] {
+      calib_import({.format = format, .files = files, .out = file("again.cal"), .json = true});
+    });
+    EXPECT_NEAR(told.at("baseline_m").get<double>(), rig.stereo.baseline_m, 1e-9) << told;
+    const dataset::Loaded<StoredCalibration> again = read_calibration(file("again.cal"));
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_NEAR(again->calibration.stereo.left.fx, rig.stereo.left.fx, 1e-9) << format;
+    EXPECT_NEAR(again->calibration.stereo.baseline_m, rig.stereo.baseline_m, 1e-9) << format;
+    std::filesystem::remove_all(file("out"));
+  }
+  refused(Exit::kBadInput, [&] {
+    calib_import({.format = "ros", .files = {file("rig.cal")}, .out = file("again.cal")});
+  });
+  refused(Exit::kBadInput, [&] {
+    calib_import({.format = "kalibr", .files = {file("rig.cal")}, .out = file("again.cal")});
+  });
+}
+
+TEST_F(CalibRigInput, TheSheetOfABoardIsToldAsJson) {
+  for (const char* const name : {"board.pdf", "board.pgm"}) {
+    testing::internal::CaptureStdout();
+    calib_target({.board = "9x6:0.024", .paper = "a4", .out = file(name), .json = true});
+    const nlohmann::json told = nlohmann::json::parse(testing::internal::GetCapturedStdout());
+    EXPECT_EQ(told.at("file"), file(name).string());
+    EXPECT_EQ(told.at("board"), "9x6:0.024");
+    EXPECT_TRUE(std::filesystem::exists(file(name)));
+  }
+}
+
+TEST(RigCheck, SaysWhatItsReadingsCannotTell) {
+  RigCheck check{.rows = RowCheck{.points = 50},
+                 .depths = DepthCheck{.points = 100, .median_mm = 3, .spread_mm = 64}};
+  ASSERT_EQ(doubts(check).size(), 1U);
+  EXPECT_NE(doubts(check)[0].find("less than about 1.8 degrees"), std::string::npos)
+      << doubts(check)[0];
+  check.depths->spread_mm = 12;
+  EXPECT_TRUE(doubts(check).empty());
+  check.depths.reset();
+  EXPECT_EQ(doubts(check).size(), 1U);
 }
 
 }  // namespace

@@ -441,18 +441,6 @@ TEST_F(CalibRig, CheckDoesNotSayThatARigFitsWhoseRowsItCannotJudge) {
   EXPECT_TRUE(lines[0].starts_with("rows cannot be judged")) << lines[0];
 }
 
-TEST(RigCheck, SaysWhatItsReadingsCannotTell) {
-  RigCheck check{.rows = RowCheck{.points = 50},
-                 .depths = DepthCheck{.points = 100, .median_mm = 3, .spread_mm = 64}};
-  ASSERT_EQ(doubts(check).size(), 1U);
-  EXPECT_NE(doubts(check)[0].find("less than about 1.8 degrees"), std::string::npos)
-      << doubts(check)[0];
-  check.depths->spread_mm = 12;
-  EXPECT_TRUE(doubts(check).empty());
-  check.depths.reset();
-  EXPECT_EQ(doubts(check).size(), 1U);
-}
-
 TEST_F(CalibRig, CheckPrintsNoJsonOfWhatItCannotRead) {
   dsp::Calibration rig;
   rig.stereo.raw = true_pair();
@@ -465,61 +453,6 @@ TEST_F(CalibRig, CheckPrintsNoJsonOfWhatItCannotRead) {
     });
   }
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
-}
-
-TEST_F(CalibRig, WhatIsExportedIsImportedAgain) {
-  dsp::Calibration rig;
-  rig.stereo.raw = true_pair();
-  ASSERT_STREQ(dsp::complete(rig.stereo), "");
-  ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
-  const auto printed_by = [](const auto& work) {
-    testing::internal::CaptureStdout();
-    work();
-    return nlohmann::json::parse(testing::internal::GetCapturedStdout());
-  };
-  for (const char* const format : {"kalibr", "opencv", "ros"}) {
-    const nlohmann::json written = printed_by([&] {
-      calib_export({.format = format,
-                    .files = {},
-                    .out = file("out"),
-                    .start = file("rig.cal"),
-                    .json = true});
-    });
-    for (const nlohmann::json& name : written.at("files")) {
-      EXPECT_TRUE(std::filesystem::is_regular_file(name.get<std::string>())) << written;
-    }
-    std::vector<std::filesystem::path> files{file("out")};
-    if (std::string_view(format) == "ros") {
-      files = {file("out") / "left.yaml", file("out") / "right.yaml"};
-    }
-    EXPECT_EQ(written.at("files").size(), files.size());
-    const nlohmann::json told = printed_by([&] {
-      calib_import({.format = format, .files = files, .out = file("again.cal"), .json = true});
-    });
-    EXPECT_NEAR(told.at("baseline_m").get<double>(), rig.stereo.baseline_m, 1e-9) << told;
-    const dataset::Loaded<StoredCalibration> again = read_calibration(file("again.cal"));
-    ASSERT_TRUE(again) << again.error().message;
-    EXPECT_NEAR(again->calibration.stereo.left.fx, rig.stereo.left.fx, 1e-9) << format;
-    EXPECT_NEAR(again->calibration.stereo.baseline_m, rig.stereo.baseline_m, 1e-9) << format;
-    std::filesystem::remove_all(file("out"));
-  }
-  refused(Exit::kBadInput, [&] {
-    calib_import({.format = "ros", .files = {file("rig.cal")}, .out = file("again.cal")});
-  });
-  refused(Exit::kBadInput, [&] {
-    calib_import({.format = "kalibr", .files = {file("rig.cal")}, .out = file("again.cal")});
-  });
-}
-
-TEST_F(CalibRig, TheSheetOfABoardIsToldAsJson) {
-  for (const char* const name : {"board.pdf", "board.pgm"}) {
-    testing::internal::CaptureStdout();
-    calib_target({.board = "9x6:0.024", .paper = "a4", .out = file(name), .json = true});
-    const nlohmann::json told = nlohmann::json::parse(testing::internal::GetCapturedStdout());
-    EXPECT_EQ(told.at("file"), file(name).string());
-    EXPECT_EQ(told.at("board"), "9x6:0.024");
-    EXPECT_TRUE(std::filesystem::exists(file(name)));
-  }
 }
 
 }  // namespace
