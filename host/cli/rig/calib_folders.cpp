@@ -165,6 +165,12 @@ Placed by_boards(const CalibFolderOptions& options, const dsp::Calibration& rig)
   if (!options.json) {
     std::printf("%s", board_extrinsics_text(*fit, found).c_str());
   }
+  if (const std::string why = contradiction_of_views(*fit); !why.empty() && !options.force) {
+    throw Failure(Exit::kBadInput,
+                  options.folder.string() + ": " + why +
+                      ": give the lens of this PMD camera (stof calib pmd --lens), hold the board "
+                      "still, no file is written; or give --force");
+  }
   return {*fit, boards_json(options, *fit, found)};
 }
 
