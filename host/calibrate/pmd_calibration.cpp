@@ -1,6 +1,7 @@
 #include "host/calibrate/pmd_calibration.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -20,6 +21,7 @@ constexpr std::size_t kEnoughPixels = 4096;
 constexpr double kStrayShare = 0.05;
 constexpr double kScaleShare = 0.02;
 constexpr double kEmitterShare = 0.02;
+constexpr double kWallTurnShare = 0.02;
 constexpr double kSimpler = 0.6;  // times the energy of the wiggling
 constexpr double kSignificant = 5;
 
@@ -59,12 +61,12 @@ class Steps {
     fit_the_noise();
     begin();
     FitParts plain = parts_;
-    plain.scale = plain.stray = plain.emitter = false;
+    plain.scale = plain.stray = plain.emitter = plain.wall_turn = false;
     best_ = fit_model(out_.data, plain, begin_);
     out_.parts = plain;
     judge_stray(plain);
     try_scale();
-    try_emitter();
+    try_emitter_and_wall_turn();
     confirm_stray();
     finish();
     return std::move(out_);
@@ -162,19 +164,55 @@ class Steps {
     return (phi2 - std::floor(phi2)) * model.turn_m * model.scale + model.shift_m;
   }
 
-  void try_emitter() {
-    if (!parts_.emitter) {
-      return;
+  // A light beside the lens makes a ramp over the picture, as large at each wall; walls that do not
+  // face the camera one that grows with distance. Each alone looks like some of the other: what
+  // explains more is asked first.
+  void try_emitter_and_wall_turn() {
+    std::optional<Step> light = parts_.emitter ? std::optional(with_emitter()) : std::nullopt;
+    std::optional<Step> turn = parts_.wall_turn ? std::optional(with_wall_turn()) : std::nullopt;
+    const bool turn_first = turn && (!light || turn->fit.cost < light->fit.cost);
+    const std::array order{turn_first ? &turn : &light, turn_first ? &light : &turn};
+    if (*order[0] && take(**order[0]) && *order[1]) {
+      *order[1] = turn_first ? with_emitter() : with_wall_turn();
     }
-    FitParts parts = out_.parts;
-    parts.emitter = true;
+    if (*order[1]) {
+      take(**order[1]);
+    }
+  }
+
+  // One constant more, and whether the walls ask for it.
+  struct Step {
+    FitParts parts;
+    FitResult fit;
+    bool asked = false;
+  };
+
+  bool take(Step& step) {
+    if (step.asked) {
+      best_ = std::move(step.fit);
+      out_.parts = step.parts;
+    }
+    return step.asked;
+  }
+
+  Step with_emitter() const {
+    Step step{.parts = out_.parts, .fit = {}};
+    step.parts.emitter = true;
     PmdModel model = best_.model;
     model.emitters = {dsp::Emitter{}};
-    FitResult found = fit_model(out_.data, parts, model);
-    if (gain(best_, found) >= kEmitterShare) {
-      best_ = std::move(found);
-      out_.parts = parts;
-    }
+    step.fit = fit_model(out_.data, step.parts, model);
+    step.asked = gain(best_, step.fit) >= kEmitterShare;
+    return step;
+  }
+
+  Step with_wall_turn() const {
+    Step step{.parts = out_.parts, .fit = {}};
+    step.parts.wall_turn = true;
+    step.fit = fit_model(out_.data, step.parts, best_.model);
+    const std::array<double, 2>& turn = step.fit.model.wall_turn;
+    step.asked = gain(best_, step.fit) >= kWallTurnShare &&
+                 std::hypot(turn[0], turn[1]) > kSignificant * step.fit.wall_turn_sigma;
+    return step;
   }
 
   // A straight line of another slope is much like harmonics of all orders, except where the phase
@@ -236,7 +274,8 @@ class Steps {
                            .wiggling = false,
                            .pattern = true,
                            .stray = false,
-                           .emitter = false};
+                           .emitter = false,
+                           .wall_turn = false};
     best_.model = fit_model(data, pattern, best_.model).model;
   }
 

@@ -12,7 +12,8 @@
 namespace stof::host {
 
 struct CalibrateOptions {
-  FitParts parts;  // `emitter`: only where nobody says where the lights are
+  FitParts parts;  // `emitter`: only where nobody says where the lights are; both it and
+                   // `wall_turn` only where the walls ask for them
   bool noise = true;
   bool white = true;
   double albedo = 0.9;  // of the wall, for the amplitude of a white surface

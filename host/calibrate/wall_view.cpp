@@ -80,7 +80,7 @@ void put_maps(const FrameSums& sums, const std::vector<std::array<double, 3>>& r
 }
 
 void put_middle(const FrameSums& sums, const std::vector<std::array<double, 3>>& rays,
-                const dsp::Pinhole& lens, double z_m, WallView& view) {
+                const dsp::Pinhole& lens, double z_m, const WallTurn& turn, WallView& view) {
   const Middle middle = middle_of(lens);
   double count = 0, error = 0, freedom = 0, variance = 0, predicted = 0;
   for (std::size_t p = 0; p < rays.size(); ++p) {
@@ -90,7 +90,8 @@ void put_middle(const FrameSums& sums, const std::vector<std::array<double, 3>>&
       continue;
     }
     count += pixel.count;
-    error += pixel.sum * rays[p][2] - pixel.count * z_m;
+    const std::array<double, 3>& ray = rays[p];
+    error += (pixel.sum - pixel.count * distance_to_wall(turn, ray, z_m)) * ray[2];
     if (pixel.count > 1) {
       freedom += pixel.count - 1;
       variance += pixel.variance_sum();
@@ -115,7 +116,8 @@ void put_middle(const FrameSums& sums, const std::vector<std::array<double, 3>>&
 
 }  // namespace
 
-WallView view_wall(const dsp::PmdSensor& sensor, const WallRecording& wall, Frames frames) {
+WallView view_wall(const dsp::PmdSensor& sensor, const WallRecording& wall, Frames frames,
+                   const WallTurn& turn) {
   const dsp::Pinhole& lens = sensor.lens;
   dsp::PmdSensor used = sensor;
   used.frequency.stray_i_lsb *= wall.exposure;
@@ -137,7 +139,7 @@ WallView view_wall(const dsp::PmdSensor& sensor, const WallRecording& wall, Fram
                 .modulation = empty,
                 .valid_share = empty};
   put_maps(sums, rays, view);
-  put_middle(sums, rays, lens, wall.z_m, view);
+  put_middle(sums, rays, lens, wall.z_m, turn, view);
   return view;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "host/calibrate/fit/pmd_model.h"
 #include "host/calibrate/walls/pmd_wall.h"
 
 // One recording of a wall through the appliance's own converter, against the wall that it should
@@ -26,7 +27,8 @@ struct WallView {
 };
 
 // Over the chosen frames. The sensor has the recording's size; its stray and suppressed light grow
-// with the recording's exposure.
-WallView view_wall(const dsp::PmdSensor& sensor, const WallRecording& wall, Frames frames);
+// with the recording's exposure. `turn`: how the wall stands.
+WallView view_wall(const dsp::PmdSensor& sensor, const WallRecording& wall, Frames frames,
+                   const WallTurn& turn = {});
 
 }  // namespace stof::host

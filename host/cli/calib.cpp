@@ -7,9 +7,11 @@
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/report/pmd_json.h"
 #include "host/calibrate/report/pmd_report.h"
+#include "host/cli/calib_files.h"
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
 #include "host/cli/output.h"
+#include "host/cli/own_keys.h"
 #include "host/evaluate/other_camera.h"
 #include "host/report/pmd/pmd_page.h"
 
@@ -26,7 +28,8 @@ void choose_parts(const CalibPmdOptions& options, CalibrateOptions& calibrate) {
                      .wiggling = named("wiggling"),
                      .pattern = named("pattern"),
                      .stray = named("stray"),
-                     .emitter = named("emitter") && !options.no_emitters};
+                     .emitter = named("emitter") && !options.no_emitters,
+                     .wall_turn = named("pattern")};
   calibrate.noise = named("noise");
   calibrate.white = named("white");
 }
@@ -139,6 +142,7 @@ void record_live_walls(const CalibPmdOptions& options, const StoredCalibration& 
 }  // namespace
 
 void calib_pmd(const CalibPmdOptions& options) {
+  need_calibration_out(options.out);
   if (!options.plots.empty()) {
     need_folder(options.plots, "--plots");
   }
@@ -170,10 +174,10 @@ void calib_pmd(const CalibPmdOptions& options) {
   rig.pmd = found->sensor;
   const bool written = options.force || found->explains_the_walls();
   if (written) {
-    value_or_fail(write_calibration(options.out, rig));
+    value_or_end(write_calibration(options.out, rig));
   }
   if (!options.plots.empty()) {
-    value_or_fail(write_calibration_page(report, *found, options.plots / "calibration.html"));
+    value_or_end(write_calibration_page(report, *found, options.plots / "calibration.html"));
   }
   if (options.json) {
     std::printf("%s\n", report_json(report, *found).c_str());
@@ -200,9 +204,8 @@ void add_calib(CLI::App& app, CalibPmdOptions& options, CalibInstallOptions& ins
   show_example(
       pmd, "stof calib pmd walls --start rig.cal --out rig.cal --frames even",
       "Ends with 0 (the file is written), 1 (--live: stopped, or the sensor sent nothing, fell "
-      "silent or has no PMD camera; walls are kept) or 2 (bad input, walls that the model does not "
-      "explain, or the "
-      "file cannot be written).");
+      "silent or has no PMD camera; walls are kept. Or the disk is full) or 2 (bad input, walls "
+      "that the model does not explain, or a file that cannot be made).");
   pmd.add_option("DIR", options.folder, "Folder of the recordings; each json says \"z_m\"")
       ->required();
   pmd.add_option("--out", options.out, "The calibration file to write")->required();

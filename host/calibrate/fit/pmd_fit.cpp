@@ -33,6 +33,8 @@ Unknowns unknowns_of(const PmdModel& model) {
   x[kScale] = model.scale;
   x[kStrayI] = model.stray.real();
   x[kStrayQ] = model.stray.imag();
+  x[kWallTurnX] = model.wall_turn[0];
+  x[kWallTurnY] = model.wall_turn[1];
   for (std::size_t h = 0; h < kHarmonics; ++h) {
     x[kFirstHarmonic + 2 * h] = model.wiggling.cosine[h];
     x[kFirstHarmonic + 2 * h + 1] = model.wiggling.sine[h];
@@ -44,6 +46,7 @@ void put_unknowns(const Unknowns& x, const std::vector<dsp::Emitter>& emitters, 
   model.offset = x[kOffset];
   model.scale = x[kScale];
   model.stray = {x[kStrayI], x[kStrayQ]};
+  model.wall_turn = {x[kWallTurnX], x[kWallTurnY]};
   model.emitters = emitters;
   move_emitters(model, x[kEmitterX], x[kEmitterY]);
   for (std::size_t h = 0; h < kHarmonics; ++h) {
@@ -230,6 +233,8 @@ class Fit final : public ceres::EvaluationCallback {
     }
     result_.scale_sigma = std::sqrt(shared(kScale, kScale));
     result_.stray_sigma = std::sqrt(std::max(shared(kStrayI, kStrayI), shared(kStrayQ, kStrayQ)));
+    result_.wall_turn_sigma =
+        std::sqrt(std::max(shared(kWallTurnX, kWallTurnX), shared(kWallTurnY, kWallTurnY)));
     information_.assign(pattern_.size(), 0);
     for (const Observation& o : seen_) {
       const Row row = row_of(data_, parts_, candidate_.model, o);

@@ -29,7 +29,8 @@ struct FitParts {
   bool wiggling = true;
   bool pattern = true;
   bool stray = true;
-  bool emitter = false;  // x and y of emitters[0], or half the spread of two
+  bool emitter = false;    // x and y of emitters[0], or half the spread of two
+  bool wall_turn = false;  // of all walls, alike
 };
 
 struct FitResult {
@@ -38,7 +39,8 @@ struct FitResult {
   std::size_t readings = 0;
   // Standard deviations as the noise of the readings makes them.
   double scale_sigma = 0;
-  double stray_sigma = 0;  // the larger of I and Q
+  double stray_sigma = 0;      // the larger of I and Q
+  double wall_turn_sigma = 0;  // the larger of x and y
   bool converged = false;
 };
 
@@ -47,7 +49,7 @@ struct Observation {
   std::size_t pixel = 0;
   std::size_t wall = 0;
   std::complex<double> iq;  // conjugate where the phase falls
-  double distance_m = 0;    // true, along the ray
+  double distance_m = 0;    // along the ray, of a wall that faces the camera
   double exposure = 1;
   double variance = 0;  // of I or Q, mean over the frames
   double sigma = 0;     // with what the model does not know; set by the fit

@@ -50,6 +50,11 @@ double WigglingCurve::inverse(double phi2) const noexcept {
   return phi1;
 }
 
+double distance_to_wall(const WallTurn& turn, const std::array<double, 3>& ray,
+                        double z_m) noexcept {
+  return z_m / (ray[2] + turn[0] * ray[0] + turn[1] * ray[1]);
+}
+
 double half_path(std::span<const dsp::Emitter> emitters, const std::array<double, 3>& ray,
                  double distance_m) noexcept {
   double sum = 0;

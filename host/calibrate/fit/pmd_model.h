@@ -34,6 +34,12 @@ struct WigglingCurve {
   double inverse(double phi2) const noexcept;
 };
 
+// x/z and y/z of the normal of walls that all stand alike; 0 where they face the camera.
+using WallTurn = std::array<double, 2>;
+// Along a unit ray, to a wall that meets the axis at z_m.
+double distance_to_wall(const WallTurn& turn, const std::array<double, 3>& ray,
+                        double z_m) noexcept;
+
 struct PmdModel {
   double turn_m = 0;
   bool phase_falls = false;
@@ -44,6 +50,7 @@ struct PmdModel {
   std::complex<double> stray;  // I + jQ, LSB at the reference integration time
   std::vector<dsp::Emitter> emitters;
   std::vector<double> pattern;  // of each pixel, or empty
+  WallTurn wall_turn{};         // not of the sensor: how the walls stood
 };
 
 double half_path(std::span<const dsp::Emitter> emitters, const std::array<double, 3>& ray,

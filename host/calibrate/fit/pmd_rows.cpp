@@ -11,7 +11,25 @@ namespace {
 constexpr double kScalePrior = 0.05;
 constexpr double kHarmonicPrior = 0.003;  // turns
 
-// By differences: this is rarely asked for.
+// Along the ray of that pixel, to a wall turned so.
+double distance_of(const PmdModel& model, const std::array<double, 3>& ray, const Observation& o) {
+  return distance_to_wall(model.wall_turn, ray, o.distance_m * ray[2]);
+}
+
+// By differences: these two are rarely asked for.
+void wall_turn_columns(const WallData& data, const PmdModel& model, const Observation& o,
+                       double by_path, Row& row) {
+  constexpr double kStep = 1e-4;
+  const std::array<double, 3>& ray = data.rays[o.pixel];
+  for (const std::size_t axis : {0U, 1U}) {
+    PmdModel turned = model;
+    turned.wall_turn[axis] += kStep;
+    const double change = half_path(model.emitters, ray, distance_of(turned, ray, o)) -
+                          half_path(model.emitters, ray, distance_of(model, ray, o));
+    row.by[kWallTurnX + static_cast<int>(axis)] = by_path * change / kStep;
+  }
+}
+
 void emitter_columns(const WallData& data, const PmdModel& model, const Observation& o,
                      double by_path, Row& row) {
   constexpr double kStep = 1e-4;
@@ -19,8 +37,9 @@ void emitter_columns(const WallData& data, const PmdModel& model, const Observat
     PmdModel moved = model;
     move_emitters(moved, axis == 0 ? kStep : 0, axis == 0 ? 0 : kStep);
     const std::array<double, 3>& ray = data.rays[o.pixel];
+    const double distance = distance_of(model, ray, o);
     const double change =
-        half_path(moved.emitters, ray, o.distance_m) - half_path(model.emitters, ray, o.distance_m);
+        half_path(moved.emitters, ray, distance) - half_path(model.emitters, ray, distance);
     row.by[kEmitterX + axis] = by_path * change / kStep;
   }
 }
@@ -51,6 +70,9 @@ bool is_active(const FitParts& parts, int unknown) noexcept {
     case kEmitterX:
     case kEmitterY:
       return parts.emitter;
+    case kWallTurnX:
+    case kWallTurnY:
+      return parts.wall_turn;
     default:
       return parts.wiggling;
   }
@@ -59,7 +81,8 @@ bool is_active(const FitParts& parts, int unknown) noexcept {
 Row row_of(const WallData& data, const FitParts& parts, const PmdModel& model,
            const Observation& o) {
   const double turn = model.scale * model.turn_m;
-  const double path = half_path(model.emitters, data.rays[o.pixel], o.distance_m);
+  const std::array<double, 3>& ray = data.rays[o.pixel];
+  const double path = half_path(model.emitters, ray, distance_of(model, ray, o));
   const double phi2 = (path - model.shift_m) / turn;
   const double phi1 = model.wiggling.inverse(phi2);
   const double theta = phi1 + model.offset + model.pattern[o.pixel];
@@ -84,6 +107,9 @@ Row row_of(const WallData& data, const FitParts& parts, const PmdModel& model,
   row.by[kStrayQ] = -o.exposure * back.real() / sigma * (model.phase_falls ? -1 : 1);
   if (parts.emitter) {
     emitter_columns(data, model, o, gain / turn, row);
+  }
+  if (parts.wall_turn) {
+    wall_turn_columns(data, model, o, gain / turn, row);
   }
   for (int h = 0; parts.wiggling && h < kHarmonics; ++h) {
     const std::complex<double> wave = std::polar(1.0, kTurn * (h + 1) * phi1);

@@ -14,7 +14,9 @@ enum Unknown : int {
   kStrayQ = 3,
   kEmitterX = 4,
   kEmitterY = 5,
-  kFirstHarmonic = 6,  // cosine and sine of each
+  kWallTurnX = 6,
+  kWallTurnY = 7,
+  kFirstHarmonic = 8,  // cosine and sine of each
   kUnknowns = kFirstHarmonic + 2 * kHarmonics
 };
 using Column = Eigen::Matrix<double, kUnknowns, 1>;

@@ -99,6 +99,7 @@ std::string report_json(const PmdReport& report, const PmdCalibration& calibrati
                           {"stray_i_lsb", sensor.frequency.stray_i_lsb},
                           {"stray_q_lsb", sensor.frequency.stray_q_lsb},
                           {"emitters", lights},
+                          {"wall_turn", calibration.model.wall_turn},
                           {"electrons_per_lsb", sensor.electrons_per_lsb},
                           {"noise_lsb", sensor.noise_lsb},
                           {"suppressed_lsb", sensor.suppressed_lsb},

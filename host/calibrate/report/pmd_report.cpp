@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
 
 std::string in_words(Frames frames) {
   return (frames == Frames::kAll ? "" : "the ") + std::string(to_string(frames)) + " frames";
@@ -126,6 +129,16 @@ void add_lights(const PmdCalibration& calibration, std::string& text) {
   text += '\n';
 }
 
+void add_wall_turn(const PmdCalibration& calibration, std::string& text) {
+  if (calibration.parts.wall_turn) {
+    const WallTurn& turn = calibration.model.wall_turn;
+    text += printed(
+        "walls           do not face the camera: turned sideways by %.2f, up and down by %.2f "
+        "degrees, all alike; counted so\n",
+        std::atan(turn[0]) * kDegrees, std::atan(turn[1]) * kDegrees);
+  }
+}
+
 void add_noise(const PmdCalibration& calibration, std::string& text) {
   const SampleNoise& noise = calibration.noise;
   text += printed(
@@ -153,11 +166,12 @@ dataset::Loaded<PmdReport> make_report(const WallFolder& folder, Frames fitted,
     if (!wall) {
       return std::unexpected(wall.error());
     }
-    WallRow row{.name = wall->name,
-                .z_m = wall->z_m,
-                .exposure = wall->exposure,
-                .line_error_m = std::nan(""),
-                .view = view_wall(calibration.sensor, *wall, report.judged)};
+    WallRow row{
+        .name = wall->name,
+        .z_m = wall->z_m,
+        .exposure = wall->exposure,
+        .line_error_m = std::nan(""),
+        .view = view_wall(calibration.sensor, *wall, report.judged, calibration.model.wall_turn)};
     const Wall seen = summarise(*wall, report.judged);
     if (calibration.line && seen.frames > 0) {
       row.line_error_m = line_error(*calibration.line, calibration.data, calibration.model, seen);
@@ -198,6 +212,7 @@ std::string report_text(const PmdReport& report, const PmdCalibration& calibrati
   add_pattern(calibration, text);
   add_stray(calibration, text);
   add_lights(calibration, text);
+  add_wall_turn(calibration, text);
   add_noise(calibration, text);
   text +=
       printed("white           a white surface at 1 m has amplitude %.0f LSB\n", sensor.white_lsb);

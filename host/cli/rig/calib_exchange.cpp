@@ -4,8 +4,11 @@
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/rig/exchange/exchange.h"
 #include "host/calibrate/rig/target/target_calibration.h"
+#include "host/cli/calib_files.h"
 #include "host/cli/failure.h"
 #include "host/cli/json_output.h"
+#include "host/cli/output.h"
+#include "host/cli/own_keys.h"
 #include "host/cli/rig/calib_rig.h"
 
 namespace stof::host {
@@ -34,13 +37,14 @@ dsp::RawPair read_pair_of(const CalibExchangeOptions& options) {
 }  // namespace
 
 void calib_import(const CalibExchangeOptions& options) {
+  need_calibration_out(options.out, options.files);
   const dsp::RawPair pair = read_pair_of(options);
   StoredCalibration start;
   if (!options.start.empty()) {
     start = value_or_fail(read_calibration(options.start));
   }
   const dsp::Calibration rig = with_pair(start.calibration, pair);
-  value_or_fail(write_calibration(options.out, rig));
+  value_or_end(write_calibration(options.out, rig));
   if (options.json) {
     say_json({{"file", options.out.string()},
               {"format", options.format},
@@ -64,15 +68,17 @@ void calib_export(const CalibExchangeOptions& options) {
   }
   std::vector<std::string> files{options.out.string()};
   if (options.format == "ros") {
+    need_folder(options.out, "--out");
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
     files = {(options.out / "left.yaml").string(), (options.out / "right.yaml").string()};
-    value_or_fail(dataset::write_whole(files[0], ros_text(*pair, false)));
-    value_or_fail(dataset::write_whole(files[1], ros_text(*pair, true)));
+    value_or_end(dataset::write_whole(files[0], ros_text(*pair, false)));
+    value_or_end(dataset::write_whole(files[1], ros_text(*pair, true)));
   } else {
+    need_other_file(options.out, "--out", {options.start});
     const std::string text =
         options.format == "kalibr" ? value_or_fail(kalibr_text(*pair)) : opencv_text(*pair);
-    value_or_fail(dataset::write_whole(options.out, text));
+    value_or_end(dataset::write_whole(options.out, text));
   }
   if (options.json) {
     say_json(

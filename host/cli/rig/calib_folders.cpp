@@ -4,9 +4,11 @@
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/rig/extrinsics/pmd_board_views.h"
 #include "host/calibrate/rig/report/rig_report.h"
+#include "host/cli/calib_files.h"
 #include "host/cli/failure.h"
 #include "host/cli/json_output.h"
 #include "host/cli/output.h"
+#include "host/cli/own_keys.h"
 #include "host/cli/rig/live_views.h"
 #include "host/cli/rig/stereo_json.h"
 
@@ -65,6 +67,8 @@ ordered_json walls_json(const CalibFolderOptions& options, const ExtrinsicFit& f
                         const FoundWalls& found, const std::vector<std::string>& missing) {
   ordered_json json = place_json(options, fit);
   json["misfit"] = fit.misfit;
+  json["turned_rad"] = fit.turned_rad;
+  json["apart_mm"] = fit.apart_m * kMmPerMetre;
   json["pmd_offset_mm"] = fit.offset_m * kMmPerMetre;
   json["pmd_offset_sigma_mm"] = fit.offset_sigma_m * kMmPerMetre;
   json["walls"] = ordered_json::array();
@@ -119,6 +123,12 @@ Placed by_walls(const CalibFolderOptions& options, const dsp::Calibration& rig) 
             (missing.empty() ? "the walls do not tell where the PMD camera is" : missing.front()) +
             ": add such walls, no file is written" + (fit ? "; or give --force" : ""));
   }
+  if (const std::string why = fit->contradiction(); !why.empty() && !options.force) {
+    throw Failure(Exit::kBadInput,
+                  options.folder.string() + ": " + why +
+                      ": calibrate the PMD camera anew (stof calib pmd) before walls that face it, "
+                      "keep these walls free and flat, no file is written; or give --force");
+  }
   return {*fit, walls_json(options, *fit, found, missing)};
 }
 
@@ -155,6 +165,12 @@ Placed by_boards(const CalibFolderOptions& options, const dsp::Calibration& rig)
   if (!options.json) {
     std::printf("%s", board_extrinsics_text(*fit, found).c_str());
   }
+  if (const std::string why = contradiction_of_views(*fit); !why.empty() && !options.force) {
+    throw Failure(Exit::kBadInput,
+                  options.folder.string() + ": " + why +
+                      ": give the lens of this PMD camera (stof calib pmd --lens), hold the board "
+                      "still, no file is written; or give --force");
+  }
   return {*fit, boards_json(options, *fit, found)};
 }
 
@@ -186,6 +202,7 @@ void calib_extrinsics(const CalibFolderOptions& options) {
                       ": holds no PMD camera: calibrate it first (stof calib pmd)");
   }
   need_file(options.out, "--out");
+  need_calibration_out(options.out);
   if (!options.board.empty()) {
     pmd_board(options, rig);  // before a sensor is asked
   }
@@ -195,7 +212,7 @@ void calib_extrinsics(const CalibFolderOptions& options) {
   }
   const Placed placed = options.board.empty() ? by_walls(from, rig) : by_boards(from, rig);
   rig.pmd_to_stereo = transform_of(placed.fit.pmd_to_stereo);
-  value_or_fail(write_calibration(options.out, rig));
+  value_or_end(write_calibration(options.out, rig));
   if (options.json) {
     say_json(placed.json);
   } else {
@@ -215,6 +232,7 @@ void calib_check(const CalibFolderOptions& options) {
     json["folder"] = folder.string();
     json["calibration"] = options.calibration.string();
     json["advice"] = lines;
+    json["not_judged"] = doubts(check);
     say_json(json);
   } else {
     say_text(check_text(check));

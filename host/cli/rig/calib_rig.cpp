@@ -6,18 +6,22 @@
 #include "dataset/files/file.h"
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/rig/target/target_sheet.h"
+#include "host/cli/calib_files.h"
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
 #include "host/cli/json_output.h"
+#include "host/cli/own_keys.h"
 
 namespace stof::host {
 namespace {
 
 constexpr const char* kCalibEnds =
     "Ends with 0 (the file is written), 1 (stopped, the sensor sent nothing, fell silent, or has "
-    "no "
-    "PMD camera that is asked for; views are kept) or 2 (bad input, views are missing, or the file "
-    "cannot be written).";
+    "no PMD camera that is asked for; views are kept. Or the disk is full) or 2 (bad input, views "
+    "are missing, or the file cannot be made).";
+constexpr const char* kFileEnds =
+    "Ends with 0 (the file is written), 1 (the disk is full) or 2 (bad input, or the file cannot "
+    "be made).";
 
 void add_out(CLI::App& command, std::filesystem::path& out) {
   command.add_option("--out", out, "The calibration file to write")->required();
@@ -185,7 +189,8 @@ void add_extrinsics(CLI::App& calib, CalibFolderOptions& options) {
                   "How far PMD distances may be off, all alike: standard deviation, mm")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
-  command.add_flag("--force", options.force, "Write the file although tilts are missing");
+  command.add_flag("--force", options.force,
+                   "Write the file although tilts are missing, or walls contradict each other");
   add_search(command, options.min_disparity, options.disparities, options.threads);
   add_json_flag(command, options.json);
   command.callback([&options] { calib_extrinsics(options); });
@@ -210,7 +215,7 @@ void add_check(CLI::App& calib, CalibFolderOptions& options) {
 
 void add_exchange(CLI::App& calib, CalibRigOptions& options) {
   CLI::App& import = *calib.add_subcommand("import", "A pair from a file of ROS, Kalibr or OpenCV");
-  show_example(import, calib_rig_example("import"), kCalibEnds);
+  show_example(import, calib_rig_example("import"), kFileEnds);
   import.add_option("FORMAT", options.import.format, "ros, kalibr or opencv")
       ->required()
       ->check(CLI::IsMember({"ros", "kalibr", "opencv"}));
@@ -231,13 +236,13 @@ void add_exchange(CLI::App& calib, CalibRigOptions& options) {
   import.callback([&options] { calib_import(options.import); });
 
   CLI::App& to = *calib.add_subcommand("export", "The pair of a file, for ROS, Kalibr or OpenCV");
-  show_example(to, calib_rig_example("export"), kCalibEnds);
+  show_example(to, calib_rig_example("export"), kFileEnds);
   to.add_option("FORMAT", options.export_to.format, "ros, kalibr or opencv")
       ->required()
       ->check(CLI::IsMember({"ros", "kalibr", "opencv"}));
   to.add_option("FILE", options.export_to.start, "A calibration file")->required();
   to.add_option("--out", options.export_to.out,
-                "The file to write; ros: a folder for left.yaml and right.yaml")
+                "The file to write; ros: a folder, in which left.yaml and right.yaml are written")
       ->required();
   add_json_flag(to, options.export_to.json);
   to.callback([&options] { calib_export(options.export_to); });
@@ -246,7 +251,7 @@ void add_exchange(CLI::App& calib, CalibRigOptions& options) {
 void add_target(CLI::App& calib, CalibTargetOptions& options) {
   CLI::App& command =
       *calib.add_subcommand("target", "A board as PDF in true size, with a ruler to check it");
-  show_example(command, calib_rig_example("target"), kCalibEnds);
+  show_example(command, calib_rig_example("target"), kFileEnds);
   add_board(command, options.board);
   command.add_option("--paper", options.paper, "a4, a3, a2, a1 or a0")->capture_default_str();
   command
@@ -260,6 +265,7 @@ void add_target(CLI::App& calib, CalibTargetOptions& options) {
 }  // namespace
 
 void calib_target(const CalibTargetOptions& options) {
+  need_other_file(options.out, "--out", {});
   const Board board = value_or_fail(board_named(options.board));
   if (options.out.extension() == ".pgm") {
     const std::optional<BoardPicture> made = picture_of(board);
@@ -268,7 +274,7 @@ void calib_target(const CalibTargetOptions& options) {
                                          ": its markers are no simple share of a square: write a "
                                          "PDF, or use markers of 3/4 of a square");
     }
-    value_or_fail(dataset::write_pgm8(options.out, made->picture));
+    value_or_end(dataset::write_pgm8(options.out, made->picture));
     if (options.json) {
       say_json({{"file", options.out.string()},
                 {"board", to_string(board)},
@@ -282,7 +288,7 @@ void calib_target(const CalibTargetOptions& options) {
     return;
   }
   const Sheet sheet = value_or_fail(sheet_of(board, options.paper));
-  value_or_fail(dataset::write_whole(options.out, pdf_bytes(sheet)));
+  value_or_end(dataset::write_whole(options.out, pdf_bytes(sheet)));
   if (options.json) {
     say_json({{"file", options.out.string()},
               {"board", to_string(board)},

@@ -12,7 +12,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kExamples
     {"extrinsics", "--live 192.168.1.20 --calibration rig.cal --out rig.cal"},
     {"check", "--live 192.168.1.20 --calibration rig.cal"},
     {"import", "kalibr camchain.yaml --out rig.cal"},
-    {"export", "ros rig.cal --out camera_info.yaml"},
+    {"export", "ros rig.cal --out camera_info"},
     {"target", "--board charuco:12x9:0.04 --paper a2 --out board.pdf"},
 }};
 

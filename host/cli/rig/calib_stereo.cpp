@@ -2,9 +2,11 @@
 
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/rig/report/rig_report.h"
+#include "host/cli/calib_files.h"
 #include "host/cli/failure.h"
 #include "host/cli/json_output.h"
 #include "host/cli/output.h"
+#include "host/cli/own_keys.h"
 #include "host/cli/rig/live_stereo_json.h"
 #include "host/cli/rig/live_views.h"
 #include "host/cli/rig/stereo_json.h"
@@ -61,7 +63,7 @@ void by_target(const CalibStereoOptions& options) {
     std::printf("%s", target_text(found).c_str());
   }
   if (!options.page.empty()) {
-    value_or_fail(write_target_page(found, options.page));
+    value_or_end(write_target_page(found, options.page));
   }
   if (!found.missing.empty() && !options.force) {
     throw Failure(Exit::kBadInput, folder.string() + ": " + found.missing.front() +
@@ -71,7 +73,7 @@ void by_target(const CalibStereoOptions& options) {
     throw Failure(Exit::kBadInput,
                   options.start.string() + ": " + why + "; or give --force, no file is written");
   }
-  value_or_fail(write_calibration(options.out, with_pair(start, found.fit.rig)));
+  value_or_end(write_calibration(options.out, with_pair(start, found.fit.rig)));
   if (!options.json) {
     std::printf("%s\n", options.out.c_str());
   } else if (options.live.on()) {
@@ -133,7 +135,7 @@ void by_planes(const CalibStereoOptions& options) {
     std::printf("%s", planes_text(found).c_str());
   }
   rig.stereo = rig_of(found.fit.x, plane.sensor, width, height);
-  value_or_fail(write_calibration(options.out, rig));
+  value_or_end(write_calibration(options.out, rig));
   if (options.json) {
     say_json(planes_json(options, found));
   } else {
@@ -158,8 +160,10 @@ void calib_stereo(const CalibStereoOptions& options) {
                   "DIR");
   }
   need_file(options.out, "--out");
+  need_calibration_out(options.out);
   if (!options.page.empty()) {
     need_file(options.page, "--html");
+    need_other_file(options.page, "--html", {options.out, options.start});
   }
   options.planes.empty() ? by_target(options) : by_planes(options);
 }

@@ -73,7 +73,8 @@ std::optional<Wiggle> wiggle_of(const PmdCalibration& calibration, const Wall& w
           std::complex<double>(r.i, r.q) - wall.exposure * model.stray;
       const double turns = std::arg(signal) / (2 * std::numbers::pi);
       const double phi1 = (model.phase_falls ? -turns : turns) - model.offset - pattern;
-      const double path = half_path(model.emitters, data.rays[p], wall.z_m / data.rays[p][2]);
+      const double path = half_path(model.emitters, data.rays[p],
+                                    distance_to_wall(model.wall_turn, data.rays[p], wall.z_m));
       const double phi2 = (path - model.shift_m) / (model.scale * model.turn_m);
       mean_phase += std::polar(1.0, 2 * std::numbers::pi * phi1);
       sum += wrapped(phi1 - phi2);

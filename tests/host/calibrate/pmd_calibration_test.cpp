@@ -24,7 +24,9 @@ dsp::PmdSensor known_of(const SimulatedCamera& camera) {
 }
 
 CalibrateOptions everything() {
-  return {.parts = {.emitter = true}, .start = std::nullopt, .phase_falls = std::nullopt};
+  return {.parts = {.emitter = true, .wall_turn = true},
+          .start = std::nullopt,
+          .phase_falls = std::nullopt};
 }
 
 // An ordinary camera, with wiggling of other harmonics than 4.
@@ -75,6 +77,7 @@ TEST(CalibratePmd, FindsLineWigglingAndPatternOfAnotherCamera) {
   EXPECT_EQ(found.model.scale, 1);
   EXPECT_EQ(found.stray.verdict, StrayVerdict::kNone);
   EXPECT_TRUE(found.model.emitters.empty());
+  EXPECT_FALSE(found.parts.wall_turn);
   expect_true_distances(camera, found, 0.001);
   // The table, where the walls are: phases 0.12 to 0.85 of 5 m. Its mean is the offset's.
   for (double phi = 0.15; phi < 0.8; phi += 0.01) {
@@ -153,7 +156,34 @@ TEST(CalibratePmd, FindsWhereOneLightIs) {
   ASSERT_EQ(found.model.emitters.size(), 1U);
   EXPECT_NEAR(found.model.emitters[0][0], -0.10, 0.02);
   EXPECT_NEAR(found.model.emitters[0][1], 0.05, 0.02);
+  EXPECT_FALSE(found.parts.wall_turn);
   expect_true_distances(camera, found, 0.0015);
+}
+
+// A camera that is turned in its rig, before walls that face the rig.
+TEST(CalibratePmd, TellsWallsThatDoNotFaceItFromALight) {
+  SimulatedCamera camera = ordinary();
+  camera.wall_turn = {0.028, -0.026};
+  const PmdCalibration found = calibrated(camera, everything(), 12);
+  EXPECT_TRUE(found.model.emitters.empty());
+  ASSERT_TRUE(found.parts.wall_turn);
+  EXPECT_NEAR(found.model.wall_turn[0], 0.028, 0.002);
+  EXPECT_NEAR(found.model.wall_turn[1], -0.026, 0.002);
+  EXPECT_LT(rms_difference(found.model.pattern, found.model.turn_m, pattern_of(camera)), 0.0025);
+  camera.wall_turn = {};
+  expect_true_distances(camera, found, 0.0015);
+}
+
+TEST(CalibratePmd, FindsALightBeforeWallsThatDoNotFaceIt) {
+  SimulatedCamera camera = ordinary();
+  camera.emitters = {{-0.10, 0.05, 0}};
+  camera.wall_turn = {0.028, -0.026};
+  const PmdCalibration found = calibrated(camera, everything(), 13);
+  ASSERT_EQ(found.model.emitters.size(), 1U);
+  EXPECT_NEAR(found.model.emitters[0][0], -0.10, 0.03);
+  EXPECT_NEAR(found.model.emitters[0][1], 0.05, 0.03);
+  EXPECT_NEAR(found.model.wall_turn[0], 0.028, 0.004);
+  EXPECT_NEAR(found.model.wall_turn[1], -0.026, 0.004);
 }
 
 TEST(CalibratePmd, TakesTheLightsAsGiven) {

@@ -29,7 +29,9 @@ class RecordedWalls : public test::RecordedScenes {
   }
 
   static CalibrateOptions everything() {
-    return {.parts = {.emitter = true}, .start = std::nullopt, .phase_falls = std::nullopt};
+    return {.parts = {.emitter = true, .wall_turn = true},
+            .start = std::nullopt,
+            .phase_falls = std::nullopt};
   }
 
   const std::filesystem::path sim_ = test::recorded_scenes() / "tof" / "sim";

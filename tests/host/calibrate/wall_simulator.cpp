@@ -90,8 +90,8 @@ host::WallRecording record(const SimulatedCamera& camera, double z_m, int frames
     const int column = p % width;
     const int row = p / width;
     const std::array<double, 3> ray = dsp::unit_ray(camera.lens, column, row);
-    const double d = z_m / ray[2];
-    const double way = half_way(camera, {ray[0] * d, ray[1] * d, z_m});
+    const double d = z_m / (ray[2] + camera.wall_turn[0] * ray[0] + camera.wall_turn[1] * ray[1]);
+    const double way = half_way(camera, {ray[0] * d, ray[1] * d, ray[2] * d});
     const double phi = bent(camera, way / (camera.scale * turn_m(camera))) +
                        (camera.offset_m + pattern[static_cast<std::size_t>(p)]) / turn_m(camera);
     const double amplitude =

@@ -31,6 +31,7 @@ struct SimulatedCamera {
   double dark_lsb = 80;
   int saturation_lsb = 4095;
   double albedo = 0.9;
+  std::array<double, 2> wall_turn{};  // x/z and y/z of the normal of all walls
 };
 
 // Of each pixel, metres; mean 0.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <opencv2/imgproc.hpp>
 
@@ -208,6 +209,20 @@ std::vector<std::string> advice(const RigCheck& check) {
                 kLargestDepthMm));
   }
   return lines;
+}
+
+std::vector<std::string> doubts(const RigCheck& check) {
+  if (!check.depths) {
+    return {"nothing here tells where the PMD camera is"};
+  }
+  // On a surface at 45 degrees a turn moves a reading by the turn times its distance.
+  if (check.depths->spread_mm <= kLargestDepthMm) {
+    return {};
+  }
+  return {printed(
+      "single readings are %.0f mm apart: a PMD camera that is turned by less than about "
+      "%.1f degrees does not show here (stof calib extrinsics judges its place by walls)",
+      check.depths->spread_mm, check.depths->spread_mm / (kAtM * kMm) * 180 / std::numbers::pi)};
 }
 
 dataset::Loaded<RigCheck> check_rig(const std::filesystem::path& dir,

@@ -51,6 +51,8 @@ inline constexpr double kLargestRowPx = 0.5;   // of median, rms or slope
 inline constexpr double kLargestDepthMm = 20;  // of the median
 // What to do, a line each; empty: nothing.
 std::vector<std::string> advice(const RigCheck& check);
+// What these pictures cannot tell, a line each.
+std::vector<std::string> doubts(const RigCheck& check);
 
 // The pairs of a folder; PMD recordings beside them count where the calibration has such a camera.
 dataset::Loaded<RigCheck> check_rig(const std::filesystem::path& dir,

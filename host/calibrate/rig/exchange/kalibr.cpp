@@ -6,12 +6,21 @@
 namespace stof::host {
 namespace {
 
+constexpr std::size_t kCoefficients = 4;
+
 dsp::Pinhole lens_of(YamlReader& reader, const YAML::Node& camera) {
   dsp::Pinhole lens;
   require_pinhole(reader, reader.in(camera, "camera_model"));
   require_radtan(reader, reader.in(camera, "distortion_model"));
   const std::vector<double> f = reader.numbers(reader.in(camera, "intrinsics"), "intrinsics", 4, 4);
-  put_distortion(reader, reader.in(camera, "distortion_coeffs"), "distortion_coeffs", lens);
+  const YAML::Node distortion = reader.in(camera, "distortion_coeffs");
+  put_distortion(reader, distortion, "distortion_coeffs", lens);
+  if (!reader.failed() && distortion.size() > kCoefficients) {
+    reader.fail(distortion,
+                printed("has %zu distortion_coeffs; radtan of Kalibr has %zu: k1 k2 p1 p2",
+                        distortion.size(), kCoefficients),
+                "export it again, or give a ROS or OpenCV file, which may have k3");
+  }
   const YAML::Node size = reader.in(camera, "resolution");
   if (!reader.failed() && (!size.IsSequence() || size.size() != 2)) {
     reader.fail(size, "has a resolution that is no [width, height]", "export it again");
@@ -46,6 +55,10 @@ dataset::Loaded<dsp::RawPair> parse_kalibr(const NamedText& text) {
   dsp::RawPair rig;
   rig.left = lens_of(*reader, reader->at("cam0"));
   const YAML::Node right = reader->at("cam1");
+  if (reader->has("cam2")) {
+    reader->fail(reader->at("cam2"), "has a third camera",
+                 "leave cam0, the left one, and cam1, the right one");
+  }
   rig.right = lens_of(*reader, right);
   const std::vector<double> m = reader->rows(reader->in(right, "T_cn_cnm1"), "T_cn_cnm1", 4, 4);
   for (std::size_t i = 0; i < 3; ++i) {

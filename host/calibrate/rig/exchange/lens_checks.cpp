@@ -22,6 +22,14 @@ std::string model_of(std::size_t n) {
   return n < kThinPrism ? "has a thin prism model" : "has a tilted sensor";
 }
 
+// Of a pair, or "".
+const char* problem_of(const dsp::RawPair& rig) {
+  dsp::Calibration calibration;
+  calibration.stereo.raw = rig;
+  const char* const why = dsp::complete(calibration.stereo);
+  return *why == '\0' ? dsp::problem(calibration) : why;
+}
+
 }  // namespace
 
 void require_radtan(YamlReader& reader, const YAML::Node& node) {
@@ -99,15 +107,32 @@ dataset::Loaded<NamedText> read_text(const std::filesystem::path& file) {
   return NamedText{file, std::move(*text)};
 }
 
-dataset::Loaded<dsp::RawPair> judged(const std::filesystem::path& file, const dsp::RawPair& rig) {
-  dsp::Calibration calibration;
-  calibration.stereo.raw = rig;
-  const char* why = dsp::complete(calibration.stereo);
-  if (*why == '\0') {
-    why = dsp::problem(calibration);
+bool is_centred(const dsp::Pinhole& lens) {
+  return lens.cx >= 0 && lens.cx <= lens.width - 1 && lens.cy >= 0 && lens.cy <= lens.height - 1;
+}
+
+std::string problem_of(const dsp::Pinhole& lens) {
+  // As both eyes of a pair that has nothing else to be wrong.
+  dsp::RawPair pair{.left = lens, .right = lens, .left_to_right = {}};
+  pair.left_to_right.translation_m = {-1, 0, 0};
+  if (const char* const why = problem_of(pair); *why != '\0') {
+    return why;
   }
-  if (*why != '\0') {
+  if (!is_centred(lens)) {
+    return printed("has its centre at %.1f, %.1f, outside of the picture of %dx%d", lens.cx,
+                   lens.cy, lens.width, lens.height);
+  }
+  return {};
+}
+
+dataset::Loaded<dsp::RawPair> judged(const std::filesystem::path& file, const dsp::RawPair& rig) {
+  if (const char* const why = problem_of(rig); *why != '\0') {
     return dataset::refuse(file, why, "calibrate the rig anew");
+  }
+  for (const dsp::Pinhole& lens : {rig.left, rig.right}) {
+    if (const std::string wrong = problem_of(lens); !wrong.empty()) {
+      return dataset::refuse(file, wrong, "give the size of the calibrated pictures");
+    }
   }
   return rig;
 }

@@ -28,7 +28,12 @@ void put_distortion(YamlReader& reader, const YAML::Node& node, const char* name
                     dsp::Pinhole& lens);
 void put_matrix(YamlReader& reader, const YAML::Node& node, const char* name, dsp::Pinhole& lens);
 
-// The pair, or what no pair may be (dsp::problem()).
+// What no lens may be, or empty.
+std::string problem_of(const dsp::Pinhole& lens);
+// Whether the centre lies in the picture.
+bool is_centred(const dsp::Pinhole& lens);
+
+// The pair, or what no pair may be (dsp::problem(), is_centred()).
 dataset::Loaded<dsp::RawPair> judged(const std::filesystem::path& file, const dsp::RawPair& rig);
 
 }  // namespace stof::host

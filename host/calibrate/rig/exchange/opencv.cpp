@@ -1,4 +1,5 @@
 #include <array>
+#include <string_view>
 
 #include "dataset/files/file.h"
 #include "host/calibrate/rig/exchange/exchange.h"
@@ -21,17 +22,28 @@ class Files {
  public:
   explicit Files(std::vector<YamlReader> readers) : readers_(std::move(readers)) {}
 
+  // Which fails where it is missing, or there twice.
   YamlReader& with(const Name& name, YAML::Node& node) {
+    YamlReader* holder = nullptr;
     for (YamlReader& reader : readers_) {
-      for (const char* const key : {name.brief, name.whole}) {
-        if (reader.has(key)) {
-          node.reset(reader.at(key));
+      for (const char* const key : names_of(name)) {
+        if (!reader.has(key)) {
+          continue;
+        }
+        if (holder != nullptr) {
+          reader.fail(reader.at(key), std::string("has ") + key + ", which is there twice",
+                      "leave one of them");
           return reader;
         }
+        holder = &reader;
+        node.reset(reader.at(key));
       }
     }
-    node.reset(readers_.back().at(name.brief));  // which fails
-    return readers_.back();
+    if (holder == nullptr) {
+      holder = &readers_.back();
+      node.reset(holder->at(name.brief));
+    }
+    return *holder;
   }
   YamlReader* failed() {
     for (YamlReader& reader : readers_) {
@@ -41,11 +53,30 @@ class Files {
     }
     return nullptr;
   }
-  bool has(const char* key) const {
-    return std::ranges::any_of(readers_, [key](const YamlReader& r) { return r.has(key); });
+  // Of all files that have it; contradicting ones fail. 0: none has it.
+  int integer(const char* key) {
+    int value = 0;
+    for (YamlReader& reader : readers_) {
+      if (!reader.has(key)) {
+        continue;
+      }
+      const YAML::Node node = reader.at(key);
+      const int found = reader.integer(node, key);
+      if (value != 0 && found != value && !reader.failed()) {
+        reader.fail(node, printed("has another %s than the file before it", key),
+                    "give files of one pair");
+      }
+      value = found;
+    }
+    return value;
   }
 
  private:
+  static std::vector<const char*> names_of(const Name& name) {
+    return std::string_view(name.brief) == name.whole ? std::vector{name.brief}
+                                                      : std::vector{name.brief, name.whole};
+  }
+
   std::vector<YamlReader> readers_;
 };
 
@@ -58,12 +89,7 @@ void put_lens(Files& files, std::size_t eye, dsp::Pinhole& lens) {
 }
 
 int size_of(Files& files, const char* key, int told) {
-  if (told > 0 || !files.has(key)) {
-    return told;
-  }
-  YAML::Node node;
-  YamlReader& reader = files.with({key, key}, node);
-  return reader.integer(node, key);
+  return told > 0 ? told : files.integer(key);
 }
 
 std::string matrix_text(const char* name, int rows, int columns, const std::vector<double>& data) {
@@ -100,6 +126,15 @@ dataset::Loaded<dsp::RawPair> parse_opencv(const std::vector<NamedText>& texts, 
   if (rig.left.width == 0 || rig.left.height == 0) {
     return dataset::refuse(texts.front().file, "does not say how large the pictures are",
                            "give --size WIDTH HEIGHT");
+  }
+  for (const dsp::Pinhole& lens : {rig.left, rig.right}) {
+    if (width > 0 && !is_centred(lens)) {
+      return dataset::refuse(texts.front().file,
+                             printed("has a camera with its centre at %.1f, %.1f, outside of the "
+                                     "pictures of %dx%d that --size tells",
+                                     lens.cx, lens.cy, lens.width, lens.height),
+                             "give --size of the pictures that it was made of");
+    }
   }
   std::ranges::copy(r, rig.left_to_right.rotation.begin());
   std::ranges::copy(t, rig.left_to_right.translation_m.begin());

@@ -1,6 +1,8 @@
 #include <array>
+#include <cmath>
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 
 #include "dataset/files/file.h"
 #include "dsp/calib/stereo/rectification.h"
@@ -15,12 +17,20 @@ namespace {
 
 using RowMatrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-// Of one eye: its lens, R into rectified axes, and what P shifts by in those.
+// Of one eye: its lens, R into rectified axes, what P shifts by in those, and the lens of P.
 struct CameraInfo {
   dsp::Pinhole lens;
   RowMatrix turn = RowMatrix::Identity();
   Vector3 shift = Vector3::Zero();
+  double fx = 0;
+  double fy = 0;
+  double cy = 0;
+  std::filesystem::path file;
+  int projection_line = 0;
 };
+
+constexpr double kSameFocal = 1e-3;  // share; files may round
+constexpr double kSameRowPx = 0.1;
 
 constexpr const char* kNoFocalLength = "has a projection matrix without a focal length";
 constexpr const char* kRemedy = "calibrate the pair";
@@ -33,7 +43,36 @@ bool put_rectification(const std::vector<double>& turn, const std::vector<double
   }
   info.turn = Eigen::Map<const RowMatrix>(turn.data());
   info.shift = {p[3] / p[0], p[7] / p[5], 0};
+  info.fx = p[0];
+  info.fy = p[5];
+  info.cy = p[6];
   return true;
+}
+
+bool is_rotation(const RowMatrix& turn) {
+  constexpr double kSlack = 1e-3;
+  return (turn * turn.transpose() - RowMatrix::Identity()).cwiseAbs().maxCoeff() <= kSlack &&
+         turn.determinant() > 0;
+}
+
+constexpr const char* kNoRotation = "has a rectification matrix that is no rotation";
+
+// Rectified pictures have one focal length, and rows that correspond.
+std::string contradiction(const CameraInfo& left, const CameraInfo& right) {
+  const std::string of_left = " in " + left.file.string();
+  if (std::abs(right.fx - left.fx) > kSameFocal * left.fx ||
+      std::abs(right.fy - left.fy) > kSameFocal * left.fy) {
+    return printed(
+               "has a projection matrix with focal lengths of %g and %g px, which are %g and %g",
+               right.fx, right.fy, left.fx, left.fy) +
+           of_left;
+  }
+  if (std::abs(right.cy - left.cy) > kSameRowPx) {
+    return printed("has a projection matrix whose centre is in row %g, which is %g", right.cy,
+                   left.cy) +
+           of_left;
+  }
+  return {};
 }
 
 dataset::Loaded<CameraInfo> info_of(YamlReader reader) {
@@ -44,13 +83,21 @@ dataset::Loaded<CameraInfo> info_of(YamlReader reader) {
   put_matrix(reader, reader.at("camera_matrix"), "camera_matrix", info.lens);
   put_distortion(reader, reader.at("distortion_coefficients"), "distortion_coefficients",
                  info.lens);
-  const std::vector<double> turn =
-      reader.numbers(reader.at("rectification_matrix"), "rectification_matrix", 9, 9);
+  info.file = reader.file();
+  if (const std::string wrong = reader.failed() ? "" : problem_of(info.lens); !wrong.empty()) {
+    reader.fail(reader.at("camera_matrix"), wrong, kRemedy);
+  }
+  const YAML::Node rectification = reader.at("rectification_matrix");
+  const std::vector<double> turn = reader.numbers(rectification, "rectification_matrix", 9, 9);
   const YAML::Node projection = reader.at("projection_matrix");
   const std::vector<double> p = reader.numbers(projection, "projection_matrix", 12, 12);
   if (!reader.failed() && !put_rectification(turn, p, info)) {
     reader.fail(projection, kNoFocalLength, kRemedy);
   }
+  if (!reader.failed() && !is_rotation(info.turn)) {
+    reader.fail(rectification, kNoRotation, kRemedy);
+  }
+  info.projection_line = reader.failed() ? 0 : projection.Mark().line + 1;
   return reader.failed() ? std::unexpected(reader.problem()) : dataset::Loaded<CameraInfo>(info);
 }
 
@@ -69,9 +116,17 @@ dataset::Loaded<CameraInfo> info_of(const std::filesystem::path& file, const Ini
       !what.empty()) {
     return wrong(camera.distortion.line, what, kTakenModel);
   }
+  if (const std::string what = problem_of(info.lens); !what.empty()) {
+    return wrong(camera.matrix.line, what, kRemedy);
+  }
   if (!put_rectification(camera.rectification.numbers, camera.projection.numbers, info)) {
     return wrong(camera.projection.line, kNoFocalLength, kRemedy);
   }
+  if (!is_rotation(info.turn)) {
+    return wrong(camera.rectification.line, kNoRotation, kRemedy);
+  }
+  info.file = file;
+  info.projection_line = camera.projection.line;
   return info;
 }
 
@@ -128,6 +183,9 @@ dataset::Loaded<dsp::RawPair> parse_ros(const std::vector<NamedText>& texts) {
   }
   const CameraInfo& l = infos[0];
   const CameraInfo& r = infos[1];
+  if (const std::string what = contradiction(l, r); !what.empty()) {
+    return dataset::refuse(r.file, printed("line %d: ", r.projection_line) + what, kRemedy);
+  }
   dsp::RawPair rig{.left = l.lens, .right = r.lens, .left_to_right = {}};
   const Matrix3 turn = r.turn.transpose() * l.turn;
   const Vector3 shift = r.turn.transpose() * (r.shift - l.shift);

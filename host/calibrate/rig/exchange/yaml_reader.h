@@ -19,6 +19,7 @@ class YamlReader {
   // OpenCV's `%YAML:1.0` counts as YAML, and so does JSON.
   static dataset::Loaded<YamlReader> of(const NamedText& named);
 
+  const std::filesystem::path& file() const { return file_; }
   bool has(const char* key) const { return root_[key].IsDefined(); }
   YAML::Node at(const char* key);  // undefined when it is not there: fail()ed
   YAML::Node in(const YAML::Node& parent, const char* key);

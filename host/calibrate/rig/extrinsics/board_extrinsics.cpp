@@ -15,6 +15,7 @@
 #include "host/calibrate/rig/target/board_pose.h"
 #include "host/calibrate/rig/target/corner_refiner.h"
 #include "host/calibrate/rig/target/corner_whitening.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -369,6 +370,15 @@ std::optional<ExtrinsicFit> fit_extrinsics(const Board& board,
     }
     return fit;
   }
+}
+
+std::string contradiction_of_views(const ExtrinsicFit& fit) {
+  return fit.misfit <= kLargestViewMisfit
+             ? std::string()
+             : printed(
+                   "views disagree of the PMD camera's place, squared, %.0f times as much as "
+                   "corners scatter (%.0f is allowed)",
+                   fit.misfit, kLargestViewMisfit);
 }
 
 std::vector<PixelPoint> corners_in_amplitude(const dataset::Image<float>& amplitude,

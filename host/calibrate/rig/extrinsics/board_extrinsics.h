@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "host/calibrate/rig/extrinsics/extrinsic_fit.h"
@@ -35,6 +36,10 @@ inline constexpr std::size_t kFewestBoardViews = 5;
 std::optional<ExtrinsicFit> fit_extrinsics(const Board& board,
                                            const std::vector<PmdBoardView>& views,
                                            const FixedPair& pair, const dsp::Pinhole& pmd);
+
+// Of a place by views, empty or what is wrong: views disagree as no sound lenses make them.
+inline constexpr double kLargestViewMisfit = 10;
+std::string contradiction_of_views(const ExtrinsicFit& fit);
 
 // Corners in an amplitude picture (any unit) of a camera with that lens. The picture is enlarged
 // for the finder. Empty: not found.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -20,6 +21,7 @@ using Wall = std::array<double, 3>;
 constexpr std::size_t kFewestWalls = 3;
 constexpr double kLeastSideways = 0.35;  // between the outermost tilts, rad: 20 degrees
 constexpr double kLeastUpwards = 0.35;
+constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kMisfitOfChance = 2;  // 3 standard deviations for 8 walls
 // The smallest eigenvalue of the sum of n n^T a wall, below which T is not told in one direction.
 constexpr double kLeastSpread = 0.01;
@@ -109,7 +111,7 @@ class ExtrinsicProblem {
  public:
   ExtrinsicProblem(const std::vector<SeenWall>& walls, const ExtrinsicOptions& options,
                    const PoseUnknowns& start)
-      : start_(rotation_of(start)), pose_{0, 0, 0, start[3], start[4], start[5]} {
+      : seen_(walls), start_(rotation_of(start)), pose_{0, 0, 0, start[3], start[4], start[5]} {
     for (const SeenWall& wall : walls) {
       walls_.push_back({wall.stereo.m.x(), wall.stereo.m.y(), wall.stereo.m.z()});
     }
@@ -156,6 +158,7 @@ class ExtrinsicProblem {
     chi2 += std::pow(offset_ / offset_sigma_, 2);
     const auto freedom = static_cast<double>(3 * blocks_.size()) - 6;
     fit.misfit = freedom > 0 ? chi2 / freedom : 0;
+    put_gaps(fit);
     if (!put_covariance(fit)) {
       return false;
     }
@@ -170,6 +173,21 @@ class ExtrinsicProblem {
   void tell_offset_sigma(double sigma) { offset_sigma_ = sigma; }
 
  private:
+  void put_gaps(ExtrinsicFit& fit) const {
+    const Matrix3 turn = rotation_of(fit.pmd_to_stereo);
+    const Vector3 shift = translation_of(fit.pmd_to_stereo);
+    double turned = 0;
+    double apart = 0;
+    for (const SeenWall& wall : seen_) {
+      const Vector3 expected = turn.transpose() * wall.stereo.m / (1 - wall.stereo.m.dot(shift));
+      const Vector3 found = wall.pmd.m + offset_ * wall.pmd.per_offset;
+      turned += std::pow(std::atan2(expected.cross(found).norm(), expected.dot(found)), 2);
+      apart += std::pow(1 / expected.z() - 1 / found.z(), 2);
+    }
+    fit.turned_rad = std::sqrt(turned / static_cast<double>(seen_.size()));
+    fit.apart_m = std::sqrt(apart / static_cast<double>(seen_.size()));
+  }
+
   double cost_of(const std::array<ceres::ResidualBlockId, 2>& wall) {
     ceres::Problem::EvaluateOptions options;
     options.residual_blocks = {wall[0], wall[1]};
@@ -191,6 +209,7 @@ class ExtrinsicProblem {
     return covariance.has_value();
   }
 
+  const std::vector<SeenWall>& seen_;
   Matrix3 start_;
   PoseUnknowns pose_;
   double offset_ = 0;
@@ -216,6 +235,15 @@ std::optional<ExtrinsicFit> fit_extrinsics(const std::vector<SeenWall>& walls,
     return std::nullopt;
   }
   return fit;
+}
+
+std::string ExtrinsicFit::contradiction() const {
+  if (misfit <= kMisfitOfChance || (turned_rad <= kLargestTurnedRad && apart_m <= kLargestApartM)) {
+    return {};
+  }
+  return printed(
+      "the sensors see these walls %.1f degrees and %.0f mm apart (%.1f and %.0f are allowed)",
+      turned_rad * kDegrees, apart_m * kMm, kLargestTurnedRad * kDegrees, kLargestApartM * kMm);
 }
 
 std::vector<std::string> missing_tilts(const std::vector<SeenWall>& walls) {

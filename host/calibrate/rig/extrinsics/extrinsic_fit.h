@@ -1,5 +1,6 @@
 #pragma once
 
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,7 +33,17 @@ struct ExtrinsicFit {
   double misfit = 0;  // chi^2 over its degrees of freedom: near 1 where walls are flat and sensors
                       // agree
   std::vector<double> wall_misfit;  // rms of each wall's three numbers, in standard deviations
+  // By walls: how far the planes of both sensors lie off each other in the end, rms over the walls.
+  double turned_rad = 0;
+  double apart_m = 0;  // in the middle of the PMD picture
+
+  // Empty where the walls are one for both sensors, or what they are not. Errors that the looks of
+  // a wall share make every misfit larger than 1; what it comes to in degrees and mm is judged.
+  std::string contradiction() const;
 };
+
+inline constexpr double kLargestTurnedRad = 0.4 * std::numbers::pi / 180;
+inline constexpr double kLargestApartM = 0.004;
 
 // None where there are fewer than three walls, or T does not follow from their tilts.
 std::optional<ExtrinsicFit> fit_extrinsics(const std::vector<SeenWall>& walls,

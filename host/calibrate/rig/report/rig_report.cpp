@@ -139,8 +139,10 @@ std::string planes_text(const PlaneCalibration& found) {
 }
 
 std::string extrinsics_text(const ExtrinsicFit& fit, const FoundWalls& found) {
-  std::string text = printed("%zu walls, misfit %.2f (1: as the readings scatter)\n",
-                             found.walls.size(), fit.misfit);
+  std::string text = printed(
+      "%zu walls, misfit %.2f (1: as the readings scatter), the sensors see them %.2f degrees and "
+      "%.1f mm apart\n",
+      found.walls.size(), fit.misfit, fit.turned_rad * kDegrees, fit.apart_m * kMm);
   text += place_rows(fit);
   text += printed("  PMD distances are off by %.1f +- %.1f mm\n", fit.offset_m * kMm,
                   fit.offset_sigma_m * kMm);
@@ -188,6 +190,9 @@ std::string check_text(const RigCheck& check) {
   const std::vector<std::string> lines = advice(check);
   for (const std::string& line : lines) {
     text += "do: " + line + "\n";
+  }
+  for (const std::string& line : doubts(check)) {
+    text += "not judged: " + line + "\n";
   }
   return lines.empty() ? text + "nothing to do\n" : text;
 }

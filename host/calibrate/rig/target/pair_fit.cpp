@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include <Eigen/Cholesky>
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
@@ -157,16 +158,26 @@ class PairProblem {
   const Unknowns& unknowns() const { return unknowns_; }
 
   // Of the rig's unknowns, then the boards', per variance of a coordinate. None: singular.
-  std::optional<Eigen::MatrixXd> covariance() {
-    std::vector<double*> unknowns{unknowns_.left.data(), unknowns_.right.data(),
-                                  unknowns_.left_to_right.data()};
-    for (PoseUnknowns& pose : unknowns_.boards) {
-      unknowns.push_back(pose.data());
+  std::optional<Eigen::MatrixXd> covariance() { return fit_covariance(problem_, blocks()); }
+
+  // Of all unknowns, those that were held too. The problem holds none from then on.
+  std::optional<NormalEquations> equations_of_all() {
+    for (LensUnknowns* const lens : {&unknowns_.left, &unknowns_.right}) {
+      problem_.SetManifold(lens->data(), nullptr);
     }
-    return fit_covariance(problem_, unknowns);
+    return normal_equations(problem_, {}, blocks());
   }
 
  private:
+  std::vector<double*> blocks() {
+    std::vector<double*> blocks{unknowns_.left.data(), unknowns_.right.data(),
+                                unknowns_.left_to_right.data()};
+    for (PoseUnknowns& pose : unknowns_.boards) {
+      blocks.push_back(pose.data());
+    }
+    return blocks;
+  }
+
   void hold(LensUnknowns& lens, const PairFitOptions& options) {
     std::vector<int> held;
     if (!options.tangential) {
@@ -223,6 +234,35 @@ std::vector<Eigen::Index> fitted_unknowns(const PairFitOptions& options) {
     }
   }
   return fitted;
+}
+
+// What coefficients that are held at 0 may be, as far as the views tell, moves the others: added to
+// the covariance of the fitted unknowns, whose places among all are `fitted`. Of such a coefficient
+// the views say a value and how far that scatters; the larger of both is what it may be.
+void add_what_is_held(const NormalEquations& all, const std::vector<Eigen::Index>& fitted,
+                      double variance, Eigen::MatrixXd& covariance) {
+  std::vector<Eigen::Index> held;
+  for (Eigen::Index i = 0; i < all.matrix.rows(); ++i) {
+    if (std::ranges::find(fitted, i) == fitted.end()) {
+      held.push_back(i);
+    }
+  }
+  if (held.empty()) {
+    return;
+  }
+  const Eigen::MatrixXd moves = -covariance / variance * all.matrix(fitted, held);
+  const Eigen::MatrixXd left = all.matrix(held, held) + all.matrix(held, fitted) * moves;
+  const Eigen::VectorXd pull = all.right(held) + moves.transpose() * all.right(fitted);
+  const Eigen::LDLT<Eigen::MatrixXd> solver(left);
+  const Eigen::VectorXd found = -solver.solve(pull);
+  const Eigen::MatrixXd inverse = solver.solve(Eigen::MatrixXd::Identity(left.rows(), left.cols()));
+  if (solver.info() != Eigen::Success || !found.allFinite() || !inverse.allFinite()) {
+    return;  // the views tell nothing of them
+  }
+  for (Eigen::Index k = 0; k < found.size(); ++k) {
+    const double square = std::max(found(k) * found(k), variance * inverse(k, k));
+    covariance += square * moves.col(k) * moves.col(k).transpose();
+  }
 }
 
 dsp::RawPair rig_of(const Unknowns& unknowns, const dsp::RawPair& start) {
@@ -312,7 +352,7 @@ std::optional<PairFit> fit_pair(const Board& board, const std::vector<PairView>&
                 whitened_squares(views[n].right, fit.residuals[n].right, usual);
     coordinates += coordinates_of(views[n]);
   }
-  const std::optional<Eigen::MatrixXd> covariance = problem.covariance();
+  std::optional<Eigen::MatrixXd> covariance = problem.covariance();
   const auto unknown_count =
       static_cast<double>(fitted_unknowns(options).size() + kPoseUnknowns * views.size());
   if (!covariance || !(coordinates > unknown_count)) {
@@ -322,10 +362,18 @@ std::optional<PairFit> fit_pair(const Board& board, const std::vector<PairView>&
   fit.corner_sigma_px = std::sqrt(variance);
   fit.covariance.setZero();
   const std::vector<Eigen::Index> fitted = fitted_unknowns(options);
+  *covariance *= variance;
+  if (const std::optional<NormalEquations> all = problem.equations_of_all()) {
+    std::vector<Eigen::Index> columns = fitted;
+    for (Eigen::Index i = int{kRigUnknowns}; i < all->matrix.rows(); ++i) {
+      columns.push_back(i);
+    }
+    add_what_is_held(*all, columns, variance, *covariance);
+  }
   for (std::size_t i = 0; i < fitted.size(); ++i) {
     for (std::size_t j = 0; j < fitted.size(); ++j) {
       fit.covariance(fitted[i], fitted[j]) =
-          variance * (*covariance)(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+          (*covariance)(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
     }
   }
   return fit;

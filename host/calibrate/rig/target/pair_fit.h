@@ -47,7 +47,8 @@ struct ViewResiduals {
 
 struct PairFit {
   dsp::RawPair rig;
-  // Of the unknowns, from the spread of the residuals; zero rows for what was not fitted.
+  // Of the unknowns, from the spread of the residuals, and from what k3, p1 and p2 may be as far as
+  // the views tell, where they were not fitted; zero rows for those.
   Eigen::Matrix<double, int{kRigUnknowns}, int{kRigUnknowns}> covariance;
   double corner_sigma_px = 0;        // of one coordinate of a usual corner, from the residuals
   double cost = 0;                   // sum of squared residuals, px^2, each corner's shrunk or

@@ -250,15 +250,31 @@ std::optional<TargetJudgement> judge(const TargetOptions& options, TargetCalibra
   return judgement;
 }
 
-void add_uncertain(const PairFit& fit, std::vector<std::string>& missing) {
+// What to do where the focal lengths are uncertain.
+std::optional<std::string> uncertain(const PairFit& fit) {
   const double left = fit.sigma(0) / fit.rig.left.fx;
   const double right = fit.sigma(kLensUnknowns) / fit.rig.right.fx;
-  if (!(std::max(left, right) <= kLargestFocalSigma)) {
-    missing.push_back(
-        printed("tilted: the focal length is uncertain by %.1f percent, %.1f is "
-                "allowed: tilt the board more, and bring it nearer",
-                std::max(left, right) * kPercent, kLargestFocalSigma * kPercent));
+  if (std::max(left, right) <= kLargestFocalSigma) {
+    return std::nullopt;
   }
+  return printed(
+      "tilted: the focal length is uncertain by %.1f percent, %.1f is allowed: tilt the board "
+      "more, "
+      "and bring it nearer",
+      std::max(left, right) * kPercent, kLargestFocalSigma * kPercent);
+}
+
+// Why nothing follows: where most views do not count, that.
+std::unexpected<dataset::Problem> too_few(const TargetCalibration& result,
+                                          const dataset::Problem& otherwise) {
+  if (result.refused.size() <= result.fitted.size()) {
+    return std::unexpected(otherwise);
+  }
+  const RefusedView& first = result.refused.front();
+  return dataset::refuse(
+      printed("%zu views of %zu do not count (%s: %s): take them anew", result.refused.size(),
+              result.refused.size() + result.fitted.size() + result.held_out.size(),
+              first.name.c_str(), first.why.c_str()));
 }
 
 }  // namespace
@@ -366,7 +382,7 @@ dataset::Loaded<TargetCalibration> calibrate_target(TargetViews views, const Tar
   dataset::Loaded<PairStart> start =
       start_of(options.board, result.fitted, views.width, views.height);
   if (!start) {
-    return std::unexpected(std::move(start.error()));
+    return too_few(result, start.error());
   }
   std::optional<PairFit> fit = fit_without_outliers(options, std::move(*start), asked, result);
   if (stopped) {
@@ -385,6 +401,11 @@ dataset::Loaded<TargetCalibration> calibrate_target(TargetViews views, const Tar
     return dataset::refuse("stopped");
   }
   if (const char* const why = dsp::problem_of(result.fit.rig); *why != '\0') {
+    // Cameras that stand nowhere in particular are no exchanged ones.
+    if (const std::optional<std::string> vague = uncertain(result.fit)) {
+      return dataset::refuse(
+          "the pair does not follow from these views, which are too much alike: " + *vague);
+    }
     return dataset::refuse(std::string(why) +
                            ": check that left and right are not exchanged and that no camera "
                            "mirrors its pictures");
@@ -400,7 +421,9 @@ dataset::Loaded<TargetCalibration> calibrate_target(TargetViews views, const Tar
         view_pose(options.board, result.fitted[n], result.fit.boards[n], result.fit.rig));
   }
   result.missing = missing_views(result.fitted, result.poses, views.width, views.height);
-  add_uncertain(result.fit, result.missing);
+  if (std::optional<std::string> vague = uncertain(result.fit)) {
+    result.missing.push_back(std::move(*vague));
+  }
   result.judgement = judge(options, result);
   return result;
 }

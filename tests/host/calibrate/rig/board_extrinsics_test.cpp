@@ -63,6 +63,7 @@ TEST(BoardExtrinsics, PlaceThePmdCameraAndTheirCovarianceIsThatOfTheErrors) {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const std::optional<ExtrinsicFit> fit = fit_extrinsics(kBoard, views(pair, seed), pair, kPmd);
     ASSERT_TRUE(fit) << seed;
+    EXPECT_EQ(contradiction_of_views(*fit), "") << seed;
     const Eigen::Matrix<double, 6, 1> off = difference(fit->pmd_to_stereo, kTruth);
     const double squared = off.dot(fit->covariance.inverse() * off);
     mean += squared / kSeeds;
@@ -78,6 +79,20 @@ TEST(BoardExtrinsics, PlaceThePmdCameraAndTheirCovarianceIsThatOfTheErrors) {
   EXPECT_GE(inside, 90);
   EXPECT_LT(turn, 0.1 * kDegree);
   EXPECT_LT(shift, 0.005);
+}
+
+TEST(BoardExtrinsics, ViewsThroughAnotherLensContradictEachOther) {
+  const FixedPair pair = raw_pair();
+  dsp::Pinhole lens = kPmd;
+  lens.fx *= 1.01;
+  lens.fy *= 1.01;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const std::optional<ExtrinsicFit> fit =
+        fit_extrinsics(kBoard, views(pair, seed, 0.1), pair, lens);
+    ASSERT_TRUE(fit) << seed;
+    EXPECT_NE(contradiction_of_views(*fit).find("views disagree"), std::string::npos)
+        << fit->misfit;
+  }
 }
 
 // Corners as the finder gives them: some are worth much less than others, and it says so but for a

@@ -1,13 +1,18 @@
-// Wrong input of `stof calib`: one line, the documented code, and nothing is left.
+// Wrong input of `stof calib`: one line, the documented code, and nothing is left. And what it
+// writes that it reads again.
 #include <algorithm>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "dataset/dataset.h"
+#include "dataset/files/file.h"
 #include "host/calibrate/calibration_store.h"
+#include "host/calibrate/rig/check/rig_check.h"
 #include "host/cli/failure.h"
 #include "host/cli/rig/calib_rig.h"
 #include "tests/dataset/scratch.h"
+#include "tests/host/calibrate/rig/board_views.h"
 
 namespace stof::host {
 namespace {
@@ -94,6 +99,157 @@ TEST_F(CalibRigInput, NothingIsLeftWhereNoSensorAnswers) {
     left.push_back(entry.path().filename());
   }
   EXPECT_EQ(left, std::vector<std::string>{"start.cal"});
+}
+
+TEST_F(CalibRigInput, SaysHowManyViewsHaveOnePictureAlone) {
+  for (const char* const view : {"c", "a", "b"}) {
+    put_pair(view, {64, 48, 90}, {64, 48, 90});
+    std::filesystem::remove(views() / view / "right.pgm");
+  }
+  const std::string line =
+      refused(Exit::kBadInput, [&] { calib_stereo({.target = views(), .out = file("rig.cal")}); });
+  EXPECT_NE(line.find((views() / "a").string() + ": has no right.pgm, as 2 more miss one of both"),
+            std::string::npos)
+      << line;
+}
+
+TEST_F(CalibRigInput, WhatIsNoFolderIsToldAsWhatItIs) {
+  ASSERT_TRUE(write_calibration(file("rig.cal"), rig_with_pmd()));
+  for (const auto& [name, what] :
+       {std::pair("nothere", ": does not exist"), std::pair("rig.cal", ": is no folder")}) {
+    const std::string line = refused(
+        Exit::kBadInput, [&] { calib_stereo({.target = file(name), .out = file("made.cal")}); });
+    EXPECT_NE(line.find(file(name).string() + what), std::string::npos) << line;
+  }
+}
+
+// What is read, and what is no calibration, outlasts a mistyped --out.
+TEST_F(CalibRigInput, NothingButACalibrationIsWrittenOver) {
+  dsp::Calibration rig;
+  rig.stereo.raw = test::true_pair();
+  ASSERT_STREQ(dsp::complete(rig.stereo), "");
+  ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
+  testing::internal::CaptureStdout();
+  calib_export({.format = "opencv", .files = {}, .out = file("cv.yml"), .start = file("rig.cal")});
+  calib_export({.format = "opencv", .files = {}, .out = file("other"), .start = file("rig.cal")});
+  const dataset::Loaded<std::string> before = dataset::read_whole(file("cv.yml"), 1U << 20);
+  ASSERT_TRUE(before);
+  const auto import_to = [&](const std::filesystem::path& out) {
+    calib_import({.format = "opencv", .files = {file("cv.yml")}, .out = out});
+  };
+  std::filesystem::create_symlink(file("cv.yml"), file("link"));
+  for (const char* const name : {"cv.yml", "link"}) {
+    EXPECT_NE(refused(Exit::kBadInput, [&] { import_to(file(name)); }).find("is what is read"),
+              std::string::npos);
+  }
+  EXPECT_NE(refused(Exit::kBadInput, [&] { import_to(file("other")); })
+                .find("is there and is no calibration"),
+            std::string::npos);
+  EXPECT_NE(refused(Exit::kBadInput,
+                    [&] {
+                      calib_export({.format = "opencv",
+                                    .files = {},
+                                    .out = file("rig.cal"),
+                                    .start = file("rig.cal")});
+                    })
+                .find("is what is read"),
+            std::string::npos);
+  const dataset::Loaded<std::string> after = dataset::read_whole(file("cv.yml"), 1U << 20);
+  ASSERT_TRUE(after);
+  EXPECT_EQ(*before, *after);
+  EXPECT_TRUE(read_calibration(file("rig.cal")));
+  import_to(file("rig.cal"));  // one calibration over another
+  import_to(file("new.cal"));
+  testing::internal::GetCapturedStdout();
+}
+
+TEST_F(CalibRigInput, AnOutThatIsNoFileIsToldAsWhatItIs) {
+  dsp::Calibration rig;
+  rig.stereo.raw = test::true_pair();
+  ASSERT_STREQ(dsp::complete(rig.stereo), "");
+  ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
+  testing::internal::CaptureStdout();
+  calib_export({.format = "opencv", .files = {}, .out = file("cv.yml"), .start = file("rig.cal")});
+  testing::internal::GetCapturedStdout();
+  const auto import_to = [&](Exit code, const std::filesystem::path& out) {
+    return refused(
+        code, [&] { calib_import({.format = "opencv", .files = {file("cv.yml")}, .out = out}); });
+  };
+  EXPECT_NE(import_to(Exit::kBadInput, folder()).find("is a folder: give a file"),
+            std::string::npos);
+  EXPECT_NE(import_to(Exit::kBadInput, "").find("--out: names no file"), std::string::npos);
+  EXPECT_NE(import_to(Exit::kBadInput, file("rig.cal") / "x").find("is not a folder"),
+            std::string::npos);
+  // As everywhere: a full disk is 1.
+  EXPECT_NE(import_to(Exit::kFailure, "/dev/full").find("/dev/full: cannot be written"),
+            std::string::npos);
+}
+
+TEST_F(CalibRigInput, WhatIsExportedIsImportedAgain) {
+  dsp::Calibration rig;
+  rig.stereo.raw = test::true_pair();
+  ASSERT_STREQ(dsp::complete(rig.stereo), "");
+  ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
+  const auto printed_by = [](const auto& work) {
+    testing::internal::CaptureStdout();
+    work();
+    return nlohmann::json::parse(testing::internal::GetCapturedStdout());
+  };
+  for (const char* const format : {"kalibr", "opencv", "ros"}) {
+    const nlohmann::json written = printed_by([&] {
+      calib_export({.format = format,
+                    .files = {},
+                    .out = file("out"),
+                    .start = file("rig.cal"),
+                    .json = true});
+    });
+    for (const nlohmann::json& name : written.at("files")) {
+      EXPECT_TRUE(std::filesystem::is_regular_file(name.get<std::string>())) << written;
+    }
+    std::vector<std::filesystem::path> files{file("out")};
+    if (std::string_view(format) == "ros") {
+      files = {file("out") / "left.yaml", file("out") / "right.yaml"};
+    }
+    EXPECT_EQ(written.at("files").size(), files.size());
+    const nlohmann::json told = printed_by([&] {
+      calib_import({.format = format, .files = files, .out = file("again.cal"), .json = true});
+    });
+    EXPECT_NEAR(told.at("baseline_m").get<double>(), rig.stereo.baseline_m, 1e-9) << told;
+    const dataset::Loaded<StoredCalibration> again = read_calibration(file("again.cal"));
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_NEAR(again->calibration.stereo.left.fx, rig.stereo.left.fx, 1e-9) << format;
+    EXPECT_NEAR(again->calibration.stereo.baseline_m, rig.stereo.baseline_m, 1e-9) << format;
+    std::filesystem::remove_all(file("out"));
+  }
+  refused(Exit::kBadInput, [&] {
+    calib_import({.format = "ros", .files = {file("rig.cal")}, .out = file("again.cal")});
+  });
+  refused(Exit::kBadInput, [&] {
+    calib_import({.format = "kalibr", .files = {file("rig.cal")}, .out = file("again.cal")});
+  });
+}
+
+TEST_F(CalibRigInput, TheSheetOfABoardIsToldAsJson) {
+  for (const char* const name : {"board.pdf", "board.pgm"}) {
+    testing::internal::CaptureStdout();
+    calib_target({.board = "9x6:0.024", .paper = "a4", .out = file(name), .json = true});
+    const nlohmann::json told = nlohmann::json::parse(testing::internal::GetCapturedStdout());
+    EXPECT_EQ(told.at("file"), file(name).string());
+    EXPECT_EQ(told.at("board"), "9x6:0.024");
+    EXPECT_TRUE(std::filesystem::exists(file(name)));
+  }
+}
+
+TEST(RigCheck, SaysWhatItsReadingsCannotTell) {
+  RigCheck check{.rows = RowCheck{.points = 50},
+                 .depths = DepthCheck{.points = 100, .median_mm = 3, .spread_mm = 64}};
+  ASSERT_EQ(doubts(check).size(), 1U);
+  EXPECT_NE(doubts(check)[0].find("less than about 1.8 degrees"), std::string::npos)
+      << doubts(check)[0];
+  check.depths->spread_mm = 12;
+  EXPECT_TRUE(doubts(check).empty());
+  check.depths.reset();
+  EXPECT_EQ(doubts(check).size(), 1U);
 }
 
 }  // namespace

@@ -354,6 +354,73 @@ TEST(Exchange, WrongYamlAndJsonAreRefusedWithTheLine) {
   }
 }
 
+// The pose between the eyes is in R and P of both: they have to belong together.
+TEST(Exchange, RectificationsThatContradictEachOtherAreRefused) {
+  const auto says = [](std::string_view what, std::string_view with, bool of_left = false) {
+    return message(
+        parse_ros({named("left.yaml", of_left ? replaced(kRosLeft, what, with) : kRosLeft),
+                   named("right.yaml", of_left ? kRosRight : replaced(kRosRight, what, with))}));
+  };
+  EXPECT_EQ(says("393.653800", "393.653800"), "taken");
+  EXPECT_NE(says("[393.653800", "[300.0")
+                .find("right.yaml: line 18: has a projection matrix with focal lengths of 300 and "
+                      "393.654 px, which are 393.654 and 393.654 in left.yaml"),
+            std::string::npos)
+      << says("[393.653800", "[300.0");
+  EXPECT_NE(says("241.090902", "251.0")
+                .find("right.yaml: line 18: has a projection matrix whose "
+                      "centre is in row 251"),
+            std::string::npos)
+      << says("241.090902", "251.0");
+  const std::string both = message(parse_ros({named("ost.txt", [] {
+    std::string text = kIni;
+    const std::size_t right = text.rfind("393.653800");
+    return text.replace(right, 10, "300.000000");
+  }())}));
+  EXPECT_NE(both.find("focal lengths of"), std::string::npos) << both;
+  // What is wrong with the left file is told of the left file.
+  EXPECT_NE(says("438.783367", "-438.783367", true).find("left.yaml: line 5: a raw camera has"),
+            std::string::npos)
+      << says("438.783367", "-438.783367", true);
+  EXPECT_NE(
+      says("0.999978", "0.799978", true).find("left.yaml: line 14: has a rectification matrix"),
+      std::string::npos)
+      << says("0.999978", "0.799978", true);
+}
+
+TEST(Exchange, CentresOutsideOfThePictureAreRefused) {
+  const auto opencv = [](int width, int height) {
+    return message(
+        parse_opencv({named("i.yml", kIntrinsics), named("e.yml", kExtrinsics)}, width, height));
+  };
+  EXPECT_EQ(opencv(640, 480), "taken");
+  for (const auto& [width, height] : {std::pair(320, 240), std::pair(2, 2)}) {
+    EXPECT_NE(opencv(width, height).find("give --size of the pictures that it was made of"),
+              std::string::npos)
+        << opencv(width, height);
+  }
+  const std::string kalibr =
+      message(parse_kalibr(named("c.yaml", replaced(replaced(kKalibr, "[752, 480]", "[320, 240]"),
+                                                    "[752, 480]", "[320, 240]"))));
+  EXPECT_NE(kalibr.find("centre at 362.7, 246.0, outside of the picture of 320x240"),
+            std::string::npos)
+      << kalibr;
+}
+
+TEST(Exchange, WhatAFormatDoesNotHaveIsRefused) {
+  EXPECT_NE(
+      message(parse_kalibr(named("c.yaml", replaced(kKalibr, "0.00011556]", "0.00011556, 0.01]"))))
+          .find("line 4: has 5 distortion_coeffs"),
+      std::string::npos);
+  EXPECT_NE(message(parse_kalibr(named("c.yaml", std::string(kKalibr) + "cam2:\n  a: 1\n")))
+                .find("has a third camera"),
+            std::string::npos);
+  const std::string twice = message(
+      parse_opencv({named("i.yml", kIntrinsics), named("again.yml", kIntrinsics)}, 640, 480));
+  EXPECT_NE(twice.find("again.yml: line "), std::string::npos) << twice;
+  EXPECT_NE(twice.find("has M1, which is there twice"), std::string::npos) << twice;
+}
+
 TEST(Exchange, EveryFormatGivesBackWhatItWasGiven) {
   dsp::RawPair rig = test::true_pair();
   const dataset::Loaded<std::string> kalibr = kalibr_text(rig);

@@ -10,6 +10,7 @@
 #include "host/calibrate/rig/target/board_pose.h"
 #include "host/evaluate/owning_converter.h"
 #include "tests/host/calibrate/rig/board_views.h"
+#include "tests/host/calibrate/rig/rendered_plane.h"
 
 namespace stof::host {
 namespace {
@@ -155,7 +156,7 @@ TEST(TargetCalibration, BoardsThatAreSeenInPartGiveTheRig) {
                   .left = test::seen_in_part(truth.left, pose, kMarked, 0.1, random),
                   .right = test::seen_in_part(truth.right, in_right, kMarked, 0.1, random)};
     if (view.both()) {
-      in_part += seen_corners(view.left) < view.left.size() ? 1 : 0;
+      in_part += seen_corners(view.left) < view.left.size() ? 1U : 0U;
       views.push_back(std::move(view));
     }
   }
@@ -196,6 +197,47 @@ TEST(TargetCalibration, TheCovarianceIsThatOfTheErrors) {
   }
   // 6 degrees of freedom, 25 seeds: sigma of the mean is sqrt(12 / 25) = 0.69.
   EXPECT_NEAR(sum / kSeeds, 6, 2.1);
+}
+
+// A k3 too small to be asked for bends k1 and k2 all the same.
+TEST(TargetCalibration, ACoefficientThatIsLeftOutMakesTheOthersUncertain) {
+  constexpr int kSeeds = 30;
+  std::array<double, 4> squared{};  // k1, k2 of the left lens, of the right one
+  double focal = 0;
+  int without = 0;
+  for (std::uint64_t seed = 300; seed < 300 + kSeeds; ++seed) {
+    Gaussian random(seed);
+    dsp::RawPair truth = true_pair();
+    truth.left.p1 = truth.left.p2 = truth.right.p1 = truth.right.p2 = 0;
+    truth.left.k3 = random.next(0.02);
+    truth.right.k3 = random.next(0.02);
+    const TargetCalibration found = calibrated(waved(truth, kBoard, 20, 0.05, seed), 0);
+    if (found.k3) {
+      continue;
+    }
+    ++without;
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      const LensUnknowns lens = unknowns_of(eye == 0 ? found.fit.rig.left : found.fit.rig.right);
+      const LensUnknowns known = unknowns_of(eye == 0 ? truth.left : truth.right);
+      const std::size_t first = eye * kLensUnknowns;
+      for (std::size_t k = 0; k < 2; ++k) {
+        squared[2 * eye + k] +=
+            std::pow((lens[4 + k] - known[4 + k]) / found.fit.sigma(first + 4 + k), 2);
+      }
+      focal += std::pow((lens[0] - known[0]) / found.fit.sigma(first), 2) / 2;
+    }
+  }
+  ASSERT_GT(without, 12);
+  std::printf("figure: k3 left out in %d of %d: mean normalised squared errors of k1, k2:", without,
+              kSeeds);
+  for (const double sum : squared) {
+    std::printf(" %.2f", sum / without);
+  }
+  std::printf("; of fx %.2f\n", focal / without);
+  for (const double sum : squared) {
+    EXPECT_GT(sum / without, 0.35);
+    EXPECT_LT(sum / without, 2);
+  }
 }
 
 // Every other corner scatters ten times as far, and says so or does not.
@@ -319,6 +361,35 @@ TEST(TargetCalibration, RefusesWhatNoPairShows) {
   const std::string crumpled = refusal(waved(true_pair(), kBoard, 20, 2, 5));
   EXPECT_NE(crumpled.find("1.0 are allowed: check that the board is flat"), std::string::npos)
       << crumpled;
+}
+
+TEST(TargetCalibration, ViewsThatAreAllAlikeAreNotTakenForExchangedEyes) {
+  const dsp::RawPair truth = true_pair();
+  Gaussian random(4);
+  const PoseUnknowns pose = board_at(kBoard, Vector3(0.03, 0.02, 0.6), Vector3(0.1, 0.02, 0.1));
+  const PoseUnknowns in_right = test::seen_from(pose_of(truth.left_to_right), pose);
+  std::vector<PairView> views;
+  for (int n = 0; n < 12; ++n) {
+    views.push_back({.name = std::to_string(n),
+                     .left = test::seen_in_part(truth.left, pose, kBoard, 0.02, random),
+                     .right = test::seen_in_part(truth.right, in_right, kBoard, 0.02, random)});
+  }
+  const dataset::Loaded<TargetCalibration> found =
+      calibrate_target(as_found(views), {.board = kBoard});
+  ASSERT_FALSE(found);
+  EXPECT_NE(found.error().message.find("too much alike: tilted"), std::string::npos)
+      << found.error().message;
+  EXPECT_EQ(found.error().message.find("exchanged"), std::string::npos) << found.error().message;
+}
+
+TEST(TargetCalibration, SaysThatMostViewsDoNotCount) {
+  TargetViews views = as_found(waved(true_pair(), kBoard, 20, 0.1, 6));
+  views.views.resize(1);
+  views.refused = {{"a", "blurred: edges ..."}, {"b", "blurred: edges ..."}};
+  const dataset::Loaded<TargetCalibration> found = calibrate_target(views, {.board = kBoard});
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().message,
+            "2 views of 3 do not count (a: blurred: edges ...): take them anew");
 }
 
 TEST(TargetCalibration, KnowsTheRigOfBefore) {
