@@ -58,11 +58,10 @@ HealthBook::Verdict HealthBook::take_late(const wire::HealthReport& report, Time
   constexpr std::uint64_t kMostMs = 10'000;  // more is no more wrong
   const Duration behind =
       std::chrono::milliseconds(std::min(newest_.uptime_ms - report.uptime_ms, kMostMs));
-  if (++late_ > kMostLate || behind + (arrived - newest_.at) >= kTurnedRound) {
-    ++lies_;
-    if (!better(report, *current_)) {
-      show(report, arrived);
-    }
+  const bool two_speak = ++late_ > kMostLate || behind + (arrived - newest_.at) >= kTurnedRound;
+  lies_ += two_speak ? 1U : 0U;
+  if (better(*current_, report) || (two_speak && !better(report, *current_))) {
+    show(report, arrived);
   }
   return Verdict::kLate;
 }

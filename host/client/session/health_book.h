@@ -14,10 +14,10 @@ namespace stof::client {
 // say that all is well while the sensor says stop:
 //  - His uptime is ahead, so that the sensor's reports are late. One that comes later than networks
 //    turn packets round, or the third within ten seconds, is told (lies()), and believed where it
-//    is no better than what is known.
+//    is as bad as what is known.
 //  - His uptime fits. What gets better a second time within 2.5 seconds is believed only when
 //    nothing as bad came for 1.2 seconds: a sensor says something once a second.
-// So he costs a second. What gets worse is believed at once, whoever says it.
+// So he costs a second. What gets worse is believed at once, however late, and whoever says it.
 // No clock: times are the caller's, and never go back.
 class HealthBook {
  public:
