@@ -221,6 +221,13 @@ class ByBroadcast(Address):
                                 check=True).stdout.strip()
         return bytes.fromhex(answer)
 
+    def relay(self):
+        announced = self.link(7561, wire.seal(wire.Header(type=wire.PacketType.DISCOVER), wire.Discover(request_id=7).pack()))
+        stranger = subprocess.Popen(within(THIRD, [sys.executable, "-c", RELAY, "192.168.1.200", announced.hex(),
+                                                   str(pathlib.Path(wire.__file__).parent)]))
+        self.addCleanup(lambda: (stranger.kill(), stranger.wait()))
+        return stranger
+
     def test_it_is_found_and_others_are_told_what_to_do(self):
         found = self.until(self.found)
         self.assertEqual((found["address"], found["device_id"]), ("10.0.0.5", DEVICE))
@@ -286,12 +293,8 @@ class ByBroadcast(Address):
 
     def test_an_address_at_which_a_stranger_hands_on_what_the_sensor_signs_is_not_its_own(self):
         self.pair()
-        discover = wire.seal(wire.Header(type=wire.PacketType.DISCOVER), wire.Discover(request_id=7).pack())
-        announced = self.link(7561, discover)
+        stranger = self.relay()
         self.setter.leases = False
-        stranger = subprocess.Popen(within(THIRD, [sys.executable, "-c", RELAY, "192.168.1.200", announced.hex(),
-                                                   str(pathlib.Path(wire.__file__).parent)]))
-        self.addCleanup(lambda: (stranger.kill(), stranger.wait()))
         ended = self.stof("address", SERIAL, "dhcp", "--wait", "12", "--json")
         self.assertIsNone(stranger.poll())
         self.assertEqual((ended.returncode, ended.stdout, ended.stderr.count("\n")), (1, "", 1), ended.stderr)
@@ -300,11 +303,7 @@ class ByBroadcast(Address):
 
     def test_who_hands_on_what_the_sensor_signs_is_not_kept_as_its_place(self):
         self.pair()
-        discover = wire.seal(wire.Header(type=wire.PacketType.DISCOVER), wire.Discover(request_id=7).pack())
-        announced = self.link(7561, discover)
-        stranger = subprocess.Popen(within(THIRD, [sys.executable, "-c", RELAY, "192.168.1.200", announced.hex(),
-                                                   str(pathlib.Path(wire.__file__).parent)]))
-        self.addCleanup(lambda: (stranger.kill(), stranger.wait()))
+        stranger = self.relay()
         told = json.loads(self.ask("address", SERIAL, "172.16.0.9/24", "--wait", "20", "--json"))
         self.assertIsNone(stranger.poll())
         self.assertEqual(told["address"], "172.16.0.9")
