@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "host/client/frame/packet_sense.h"
+#include "host/client/frame/packet_checks.h"
 
 namespace stof::client {
 namespace {

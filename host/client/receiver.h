@@ -16,7 +16,7 @@
 #include "host/client/sensor_socket.h"
 #include "host/client/serial/serial_line.h"
 #include "host/client/session/link_watch.h"
-#include "host/client/session/reports.h"
+#include "host/client/session/report_queue.h"
 #include "host/client/statistics.h"
 
 namespace stof::client {

@@ -6,7 +6,7 @@
 
 #include "host/client/raw/raw_exposure.h"
 #include "host/client/receiver.h"
-#include "host/client/session/reports.h"
+#include "host/client/session/report_queue.h"
 #include "host/recording/recorder.h"
 #include "host/recording/sensor_documents.h"
 

@@ -15,7 +15,7 @@
 #include "host/client/session/frame_sequence.h"
 #include "host/client/session/health_book.h"
 #include "host/client/session/lens_book.h"
-#include "host/client/session/reports.h"
+#include "host/client/session/report_queue.h"
 
 namespace stof::client {
 

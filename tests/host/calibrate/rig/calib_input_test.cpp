@@ -27,6 +27,13 @@ class CalibRigInput : public ::stof::test::Scratch {
     EXPECT_TRUE(dataset::write_pgm8(dir / "right.pgm", right));
   }
 
+  static void put_true_pair(const std::filesystem::path& to) {
+    dsp::Calibration rig;
+    rig.stereo.raw = test::true_pair();
+    ASSERT_STREQ(dsp::complete(rig.stereo), "");
+    ASSERT_TRUE(write_calibration(to, rig));
+  }
+
   template <typename Work>
   static std::string refused(Exit code, const Work& work) {
     try {
@@ -125,10 +132,7 @@ TEST_F(CalibRigInput, WhatIsNoFolderIsToldAsWhatItIs) {
 
 // What is read, and what is no calibration, outlasts a mistyped --out.
 TEST_F(CalibRigInput, NothingButACalibrationIsWrittenOver) {
-  dsp::Calibration rig;
-  rig.stereo.raw = test::true_pair();
-  ASSERT_STREQ(dsp::complete(rig.stereo), "");
-  ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
+  put_true_pair(file("rig.cal"));
   testing::internal::CaptureStdout();
   calib_export({.format = "opencv", .files = {}, .out = file("cv.yml"), .start = file("rig.cal")});
   calib_export({.format = "opencv", .files = {}, .out = file("other"), .start = file("rig.cal")});
@@ -164,10 +168,7 @@ TEST_F(CalibRigInput, NothingButACalibrationIsWrittenOver) {
 }
 
 TEST_F(CalibRigInput, AnOutThatIsNoFileIsToldAsWhatItIs) {
-  dsp::Calibration rig;
-  rig.stereo.raw = test::true_pair();
-  ASSERT_STREQ(dsp::complete(rig.stereo), "");
-  ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
+  put_true_pair(file("rig.cal"));
   testing::internal::CaptureStdout();
   calib_export({.format = "opencv", .files = {}, .out = file("cv.yml"), .start = file("rig.cal")});
   testing::internal::GetCapturedStdout();

@@ -275,6 +275,10 @@ dataset::PmdRecording samples_of(const dsp::Calibration& rig, const PoseUnknowns
 
 class CalibRigWalls : public CalibRig {
  protected:
+  static std::vector<std::array<double, 3>> tilted() {
+    return {{0, 0, 1.5},    {0.5, 0, 1.4},   {-0.5, 0, 1.6},
+            {0, 0.45, 1.5}, {0, -0.45, 1.3}, {0.35, 0.35, 1.7}};
+  }
   // Walls at these tilts (sideways, upwards, distance), seen by both. rows: the right camera looks
   // that many px too high.
   void put_walls(const std::vector<std::array<double, 3>>& walls, double rows = 0) {
@@ -300,12 +304,7 @@ class CalibRigWalls : public CalibRig {
 };
 
 TEST_F(CalibRigWalls, TiltedWallsTellWhereThePmdCameraIs) {
-  put_walls({{0, 0, 1.5},
-             {0.5, 0, 1.4},
-             {-0.5, 0, 1.6},
-             {0, 0.45, 1.5},
-             {0, -0.45, 1.3},
-             {0.35, 0.35, 1.7}});
+  put_walls(tilted());
   dsp::Calibration start = rig_with_pmd();
   start.pmd_to_stereo = {};
   ASSERT_TRUE(write_calibration(file("start.cal"), start));
@@ -345,12 +344,7 @@ TEST_F(CalibRigWalls, TiltedWallsTellWhereThePmdCameraIs) {
 // Here a PMD camera that counts a degree off at its borders, as one does that was calibrated before
 // walls it did not face.
 TEST_F(CalibRigWalls, WallsThatTheSensorsSeeApartAreRefused) {
-  put_walls({{0, 0, 1.5},
-             {0.5, 0, 1.4},
-             {-0.5, 0, 1.6},
-             {0, 0.45, 1.5},
-             {0, -0.45, 1.3},
-             {0.35, 0.35, 1.7}});
+  put_walls(tilted());
   dsp::Calibration start = rig_with_pmd();
   start.pmd.emitter_count = 1;
   start.pmd.emitters[0] = {-0.2, -0.15, 0};

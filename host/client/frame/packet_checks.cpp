@@ -1,4 +1,4 @@
-#include "host/client/frame/packet_sense.h"
+#include "host/client/frame/packet_checks.h"
 
 #include "firmware/wire/messages/frame_info.h"
 
