@@ -14,6 +14,8 @@ namespace {
 
 // Read before the time is looked at: a frame is up to 4,000 datagrams.
 constexpr std::size_t kLeastBatches = 4096 / posix::DatagramBatch::kMost;
+// What was sent before the sensor had no place left for us may still be on its way.
+constexpr Duration kOnTheWay = std::chrono::milliseconds(500);
 constexpr Duration kForever = std::chrono::hours(24 * 365);  // keeps sums of times in range
 
 }  // namespace
@@ -72,6 +74,9 @@ struct Receiver::Parts {
       const std::span<const std::byte> datagram = socket->packet(next++);
       if (subscription && subscription->take(datagram, now)) {
         watch.keys_refused(subscription->state() == Subscription::State::kNoKey);
+        full_since = subscription->state() == Subscription::State::kFull
+                         ? std::optional(full_since.value_or(now))
+                         : std::nullopt;
         if (!subscription->signs() && subscription->answerer()) {
           reassembler.expect(*subscription->answerer());
         }
@@ -86,6 +91,9 @@ struct Receiver::Parts {
       reassembler.push(datagram, arrived, now);
       if (subscription && reassembler.statistics().foreign > foreign) {
         subscription->doubt(now);
+      }
+      if (full_since && now - *full_since > kOnTheWay) {
+        watch.uninvited(now);
       }
       if (subscription && reassembler.delay().held_back()) {
         subscription->renew_key(now);
@@ -133,7 +141,8 @@ struct Receiver::Parts {
   std::optional<Subscription> subscription;
   int asked_buffer;
   LinkWatch watch;
-  std::uint32_t key_number = 0;  // of the stream key; 0: none yet
+  std::optional<Time> full_since;  // the sensor has no place for us
+  std::uint32_t key_number = 0;    // of the stream key; 0: none yet
   std::uint32_t key_session = 0;
   Duration slept{time_asleep(Duration(0))};
   std::size_t read = 0;                        // datagrams in the socket's space

@@ -48,6 +48,8 @@ class LinkWatch {
   // Datagrams were pushed, and frames taken, until `now`.
   void look(const Reassembler& reassembler, Time now) noexcept;
   void delivered(const Frame& frame) noexcept;
+  // Something of its streams came that the sensor does not send us.
+  void uninvited(Time now) noexcept { forged_at_ = now; }
   // Whether the newest answer says that no key of ours is known.
   void keys_refused(bool refused) noexcept { keys_refused_ = refused; }
 

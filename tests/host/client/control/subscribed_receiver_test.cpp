@@ -110,6 +110,18 @@ TEST(SubscribedReceiver, TheFourthOfAHostKnowsWhyNothingComes) {
   Receiver fourth = open(sensor);
   EXPECT_TRUE(until(fourth, [&] { return fourth.subscription() == Subscription::State::kFull; }));
   EXPECT_EQ(sensor.list().count, 3U);
+  EXPECT_FALSE(fourth.link().forged_traffic);
+  // The sensor does not: somebody in its place.
+  hal::Peer where = sensor.list().peers[0];
+  where.port = fourth.port();
+  EXPECT_TRUE(until(fourth, [&] {
+    for (const test::Datagram& datagram : datagrams(frame_spec(1))) {
+      const std::span<const std::byte> bytes = datagram;
+      std::size_t sent = 0;
+      EXPECT_EQ(sensor.port->send(where, std::span(&bytes, 1), sent), Status::kOk);
+    }
+    return fourth.link().forged_traffic;
+  }));
   receivers.clear();
   EXPECT_TRUE(until(fourth, [&] { return fourth.subscription() == Subscription::State::kActive; }));
 }
