@@ -1,14 +1,16 @@
 #pragma once
 
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
 
 namespace stof::host {
 
-// The units in which metres and shares are printed.
+// The units in which metres, radians and shares are printed.
 inline constexpr double kMm = 1000;
 inline constexpr double kCm = 100;
+inline constexpr double kDegrees = 180 / std::numbers::pi;
 inline constexpr double kPercent = 100;
 
 // The text that printf would print, of any length.

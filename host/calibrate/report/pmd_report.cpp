@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 std::string in_words(Frames frames) {
   return (frames == Frames::kAll ? "" : "the ") + std::string(to_string(frames)) + " frames";

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <opencv2/imgproc.hpp>
 
@@ -219,10 +218,10 @@ std::vector<std::string> doubts(const RigCheck& check) {
   if (check.depths->spread_mm <= kLargestDepthMm) {
     return {};
   }
-  return {printed(
-      "single readings are %.0f mm apart: a PMD camera that is turned by less than about "
-      "%.1f degrees does not show here (stof calib extrinsics judges its place by walls)",
-      check.depths->spread_mm, check.depths->spread_mm / (kAtM * kMm) * 180 / std::numbers::pi)};
+  return {
+      printed("single readings are %.0f mm apart: a PMD camera that is turned by less than about "
+              "%.1f degrees does not show here (stof calib extrinsics judges its place by walls)",
+              check.depths->spread_mm, check.depths->spread_mm / (kAtM * kMm) * kDegrees)};
 }
 
 dataset::Loaded<RigCheck> check_rig(const std::filesystem::path& dir,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -21,7 +20,6 @@ using Wall = std::array<double, 3>;
 constexpr std::size_t kFewestWalls = 3;
 constexpr double kLeastSideways = 0.35;  // between the outermost tilts, rad: 20 degrees
 constexpr double kLeastUpwards = 0.35;
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kMisfitOfChance = 2;  // 3 standard deviations for 8 walls
 // The smallest eigenvalue of the sum of n n^T a wall, below which T is not told in one direction.
 constexpr double kLeastSpread = 0.01;

@@ -1,14 +1,11 @@
 #include "host/calibrate/rig/report/rig_report.h"
 
 #include <array>
-#include <numbers>
 
 #include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 std::string lens_row(const char* name, const PairFit& fit, std::size_t i) {
   const LensUnknowns left = unknowns_of(fit.rig.left);

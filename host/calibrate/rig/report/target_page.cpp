@@ -101,7 +101,6 @@ Table view_table(const TargetCalibration& found) {
   Table table{.caption = "Views that were fitted to",
               .header = {"view", "off, px", "distance, m", "of the picture, %", "turned, degrees",
                          "tilted, degrees"}};
-  constexpr double kDegrees = 57.29577951308232;
   for (std::size_t n = 0; n < found.fitted.size(); ++n) {
     const ViewPose& pose = found.poses[n];
     table.rows.push_back({found.fitted[n].name, number(found.fit.residuals[n].rms_px, 3),
