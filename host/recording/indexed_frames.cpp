@@ -11,6 +11,9 @@
 namespace stof::recording {
 namespace {
 
+// What is looked through for the last frame that can be read, at first.
+constexpr std::uint64_t kLookedThroughNs = 1'000'000'000;
+
 bool lies_beside(Topic topic) { return topic == Topic::kCalibration || topic == Topic::kEvent; }
 
 }  // namespace
@@ -132,6 +135,20 @@ std::optional<RecordedFrame> IndexedFrames::next() {
     }
     if (auto frame = frames_.take(topic->second, **message)) {
       return frame;
+    }
+  }
+}
+
+std::optional<RecordedFrame> IndexedFrames::last_before(std::uint64_t log_time) {
+  for (std::uint64_t back = kLookedThroughNs;; back *= 2) {
+    seek(log_time - std::min(log_time, back));
+    std::optional<RecordedFrame> last;
+    for (auto frame = next(); frame && frame->log_time < log_time; frame = next()) {
+      last = std::move(frame);
+    }
+    if (last || log_time - std::min(log_time, back) <= begin_ns()) {
+      seek(last ? last->log_time + 1 : log_time);
+      return last;
     }
   }
 }

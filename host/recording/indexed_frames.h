@@ -31,6 +31,9 @@ class IndexedFrames {
   void seek(std::uint64_t log_time);
   // Nothing at the end. What is damaged is left out.
   std::optional<RecordedFrame> next();
+  // The last frame of before that time that can be read, wherever the next one was; nothing: there
+  // is none. What comes next are frames behind it.
+  std::optional<RecordedFrame> last_before(std::uint64_t log_time);
   // All of the file, with log times.
   const std::vector<std::pair<std::uint64_t, wire::EventReport>>& events() const noexcept {
     return events_;

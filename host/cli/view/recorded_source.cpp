@@ -75,7 +75,9 @@ void RecordedSource::note(const recording::RecordedFrame& frame) {
 
 std::optional<recording::RecordedFrame> RecordedSource::next() {
   if (indexed_) {
-    return indexed_->next();
+    const std::optional<std::uint64_t> sought = std::exchange(sought_, std::nullopt);
+    std::optional<recording::RecordedFrame> frame = indexed_->next();
+    return frame || !sought ? std::move(frame) : indexed_->last_before(*sought);
   }
   std::optional<recording::RecordedFrame> frame = ordered_->next();
   if (frame) {

@@ -33,8 +33,12 @@ class RecordedSource {
   std::uint64_t end_ns() const { return indexed_ ? indexed_->end_ns() : 0; }
 
   void begin_anew();
-  // Only where it is seekable.
-  void seek(std::uint64_t log_time) { indexed_->seek(log_time); }
+  // Only where it is seekable. The next frame is the first one of that time or later; where none of
+  // these can be read, the last one before.
+  void seek(std::uint64_t log_time) {
+    indexed_->seek(log_time);
+    sought_ = log_time;
+  }
   std::optional<recording::RecordedFrame> next();
 
   // What the sensor told and what befell its link, as far as is known now, in order.
@@ -50,6 +54,7 @@ class RecordedSource {
 
   std::string file_;
   std::optional<recording::IndexedFrames> indexed_;
+  std::optional<std::uint64_t> sought_;  // since the frame before
   std::optional<recording::FrameReader> ordered_;
   std::uint64_t first_ns_ = 0;
   bool read_once_ = false;  // to the end, without an index

@@ -218,6 +218,24 @@ TEST_F(RecordingTest, FramesFromAnyTimeOnAreThoseOfTheWholeFile) {
   }
 }
 
+TEST_F(RecordingTest, TheLastFrameThatCanBeReadIsFound) {
+  const auto file = write({10, 11, 12, 13}, 5, 0ms);
+  {
+    auto source = mcap::FileSource::open(file);
+    const auto index = mcap::IndexedReader::open(*source)->index();
+    std::fstream bytes(file);
+    bytes.seekp(static_cast<std::streamoff>(index.chunks.back().chunk_offset + 60));
+    bytes << "damaged";
+  }
+  auto frames = recording::IndexedFrames::open(file);
+  ASSERT_TRUE(frames);
+  frames->seek(frames->end_ns());
+  EXPECT_FALSE(frames->next());
+  EXPECT_EQ(frames->last_before(frames->end_ns())->log_time, 1'012U);
+  EXPECT_FALSE(frames->next());
+  EXPECT_FALSE(frames->last_before(1'010));
+}
+
 TEST_F(RecordingTest, HealthOfAPlaceIsWhatWasSaidLastBeforeIt) {
   constexpr std::uint64_t kSecond = 1'000'000'000;
   for (const std::chrono::milliseconds period : {0ms, 1'000'000ms}) {  // chunks: many, one
