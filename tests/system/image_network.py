@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""tests/system/image_network.py: the addresses of the image are settings: changed over the network, kept or taken back.
+"""tests/system/image_network.py: what the image takes over the network is kept: its addresses and its calibration.
 
 Flashes the image of scripts/image virt to a file, puts settings.json on its boot partition, which the first start takes, pairs with
 the label's code, and then, by stof config:
 - a fixed address beside that of DHCP is saved, and kept over a restart of the board;
 - an address at which nobody reaches the sensor is taken back after a minute, and told;
+- another calibration (stof calib install) holds, also after a restart; --factory brings back that of the card.
 QEMU's network leads to the address that its DHCP server gives, and to no other. Five minutes.
 """
 
 import json
+import pathlib
+import struct
 import subprocess
 import sys
 import time
@@ -25,6 +28,10 @@ import rig as system_rig
 import disk  # of scripts/imaging, which initramfs names
 
 ROOT = initramfs.ROOT
+sys.path.insert(0, str(ROOT / "host" / "python"))
+import stof_wire as wire  # noqa: E402
+
+BASELINE_AT = 96  # of a calibration file, docs/WIRE.md
 BY_DHCP = image_boot.BY_DHCP
 NAME = "front sensor"
 FIRST, KEPT, LOST = "192.168.7.2/24", "192.168.7.3/24", "192.168.9.9/24"
@@ -61,6 +68,7 @@ class Sensor:
     def __init__(self, options, scene, image, work):
         self.work, self.card = work, work / "card.img"
         self.host_port = machine.free_udp_port()
+        self.factory = scene.calibration
         self.code = image_update.file_of_code(flashed(image, self.card, scene.calibration), work)
         self.owner = image_update.Owner(options.programs, work, types.SimpleNamespace(host_port=self.host_port))
 
@@ -126,9 +134,41 @@ def taken_back(sensor, guest, report):
                   "network.address: takes an address" in said)
 
 
+def fingerprint(file):
+    """Of a calibration file: its last four bytes."""
+    return f"{struct.unpack('<I', pathlib.Path(file).read_bytes()[-4:])[0]:08x}"
+
+
+def remeasured(file, out):
+    """The calibration with a baseline that is 1 percent longer."""
+    data = bytearray(pathlib.Path(file).read_bytes())
+    struct.pack_into("<d", data, BASELINE_AT, 1.01 * struct.unpack_from("<d", data, BASELINE_AT)[0])
+    struct.pack_into("<I", data, len(data) - 4, wire.crc32c(bytes(data[:-4])))
+    out.write_bytes(data)
+    return out
+
+
+def takes_calibration(sensor, report, what, words, wanted):
+    """stof calib install: which one is in force now, and which one was."""
+    done = sensor.owner.run("calib", "install", *words, sensor.owner.place, "--timeout", 5, "--json")
+    checks.check(done.returncode == 0, f"{what} was refused")
+    said = json.loads(done.stdout)
+    found = (said["calibration"], said["former"])
+    report.figure(f"{what}: calibration in force, and before", found, wanted, found == wanted)
+
+
+def installed(sensor, guest, report):
+    file = remeasured(sensor.factory, sensor.work / "remeasured.cal")
+    takes_calibration(sensor, report, "installed", [file], (fingerprint(file), fingerprint(sensor.factory)))
+    wait_for(guest, f"calibration {fingerprint(file)} in place of {fingerprint(sensor.factory)}", 1)
+
+
 def after_a_restart(sensor, guest, report):
     wait_for(guest, f"address {KEPT}", 1)
     reaches(sensor, report, "address after a restart", KEPT)
+    wait_for(guest, "the calibration is the installed one", 1)
+    takes_calibration(sensor, report, "factory's", ["--factory"],
+                      (fingerprint(sensor.factory), fingerprint(sensor.work / "remeasured.cal")))
 
 
 def run(options):
@@ -138,6 +178,7 @@ def run(options):
         if report.run("first_start", first_start, sensor, guest, report):
             report.run("kept", kept, sensor, guest, report)
             report.run("taken_back", taken_back, sensor, guest, report)
+            report.run("installed", installed, sensor, guest, report)
         print("  " + "\n  ".join(guest.console.other))
     with sensor.start() as guest:
         report.run("after_a_restart", after_a_restart, sensor, guest, report)
