@@ -68,6 +68,13 @@ void LoopConditions::note_lateness(const Schedule::Lateness& lateness, hal::Time
   Counters& counters = events_.counters;
   counters.skipped_periods += lateness.skipped;
   counters.late_edges += lateness.noticeable ? 1U : 0U;
+  if (first_edges_ > 0) {
+    --first_edges_;
+    if (lateness.skipped == 1) {
+      first_edges_ = 0;  // the next one is told
+      return;
+    }
+  }
   if (lateness.skipped > 0) {
     if (std::exchange(edges_in_time_, 0) >= kInTimeEdges) {
       note({now, EventKind::kLate, Component::kLoop, Status::kTimeout,

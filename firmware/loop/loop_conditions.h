@@ -60,6 +60,9 @@ class LoopConditions {
   static constexpr std::uint32_t kSilentEdges = 3;
   // The loop is in time again after so many edges in time.
   static constexpr std::uint32_t kInTimeEdges = 32;
+  // One period that is skipped within so many edges of the start is only counted: the first frames
+  // bring memory and tables into the caches.
+  static constexpr std::uint32_t kFirstEdges = 32;
 
   // What was told of a camera, why the last edge has nothing of it, and the edges in a row without
   // anything.
@@ -83,6 +86,7 @@ class LoopConditions {
   std::uint32_t alike_ = 0;           // frames in a row with these sensors
   std::uint32_t edges_without_frame_ = 0;
   std::uint32_t edges_in_time_ = kInTimeEdges;  // since the loop was late, up to kInTimeEdges
+  std::uint32_t first_edges_ = kFirstEdges;     // to go
 };
 
 }  // namespace stof::firmware

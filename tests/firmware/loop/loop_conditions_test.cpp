@@ -169,5 +169,24 @@ TEST_F(LoopConditionsTest, ALateLoopIsOneEventUntil32EdgesWereInTime) {
   EXPECT_EQ(noted(), Kinds{EventKind::kLate});
 }
 
+TEST_F(LoopConditionsTest, OnePeriodThatIsSkippedAtTheStartIsOnlyCounted) {
+  conditions_.note_lateness({.skipped = 1}, clock_.now());
+  EXPECT_TRUE(noted().empty());
+  EXPECT_EQ(counters_.skipped_periods, 1U);
+  conditions_.note_lateness({.skipped = 1}, clock_.now());
+  EXPECT_EQ(noted(), Kinds{EventKind::kLate});
+}
+
+TEST_F(LoopConditionsTest, MoreThanOneAtTheStartIsToldAndOneLaterToo) {
+  conditions_.note_lateness({.skipped = 2}, clock_.now());
+  EXPECT_EQ(noted(), Kinds{EventKind::kLate});
+  for (int i = 0; i < 32; ++i) {
+    conditions_.note_lateness({}, clock_.now());
+  }
+  EXPECT_EQ(noted(), Kinds{EventKind::kInTime});
+  conditions_.note_lateness({.skipped = 1}, clock_.now());
+  EXPECT_EQ(noted(), Kinds{EventKind::kLate});
+}
+
 }  // namespace
 }  // namespace stof::firmware
