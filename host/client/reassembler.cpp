@@ -138,6 +138,10 @@ FrameSequence::Verdict Reassembler::judge(const wire::Header& header, Time arriv
       verdict == FrameSequence::Verdict::kImplausible) {
     pace_.interrupt();
   }
+  if (verdict == FrameSequence::Verdict::kPassedOver) {
+    ++forgeries_;
+    return FrameSequence::Verdict::kOver;
+  }
   return verdict;
 }
 

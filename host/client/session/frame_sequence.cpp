@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::int32_t kSlack = 128;
 constexpr int kConvincing = 2;  // advances of a trail
+constexpr int kPassedFrames = 3;
 
 // Whether a counter that was `before` at `then` may be `value` at `now`.
 bool reachable(std::uint32_t value, std::uint32_t before, Time then, Time now) noexcept {
@@ -37,7 +38,10 @@ FrameSequence::Verdict FrameSequence::judge(const wire::FrameStamp& stamp, Time 
   if (jumps) {
     return Verdict::kImplausible;
   }
-  return closed ? Verdict::kOver : Verdict::kBelieved;
+  if (!closed) {
+    return Verdict::kBelieved;
+  }
+  return passed_over(stamp.number, arrived) ? Verdict::kPassedOver : Verdict::kOver;
 }
 
 bool FrameSequence::plausible(std::uint32_t number, Time arrived) const noexcept {
@@ -52,6 +56,19 @@ bool FrameSequence::ahead(std::uint32_t number) const noexcept {
 bool FrameSequence::over(std::uint32_t number) const noexcept {
   return (closed_ && number_distance(number, *closed_) <= 0) ||
          (newest_ && number_distance(number, *newest_) < -1);
+}
+
+bool FrameSequence::passed_over(std::uint32_t number, Time arrived) noexcept {
+  if (newest_ && *newest_ - number < kRemembered && begun_.test(number % kRemembered)) {
+    return false;
+  }
+  if (!passed_ || arrived - passed_->since >= kPatience) {
+    passed_ = {.number = number, .since = arrived, .frames = 1};
+  } else if (number_distance(number, passed_->number) > 0) {
+    passed_->number = number;
+    ++passed_->frames;
+  }
+  return passed_->frames >= kPassedFrames;
 }
 
 // The first verified exposure is number 1.
@@ -73,8 +90,17 @@ void FrameSequence::follow(const wire::FrameStamp& stamp) noexcept {
 
 bool FrameSequence::begin(std::uint32_t number, Time arrived) noexcept {
   if (newest_ && number_distance(number, *newest_) <= 0) {
+    begun_.set(number % kRemembered);
     return false;
   }
+  if (!newest_ || number - *newest_ >= kRemembered) {
+    begun_ = newest_ ? std::bitset<kRemembered>() : ~std::bitset<kRemembered>();  // nobody listened
+  } else {
+    for (std::uint32_t skipped = *newest_ + 1; skipped != number; ++skipped) {
+      begun_.reset(skipped % kRemembered);
+    }
+  }
+  begun_.set(number % kRemembered);
   newest_ = number;
   newest_at_ = arrived;
   return true;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bitset>
 #include <cstdint>
 #include <optional>
 
@@ -14,6 +15,8 @@ namespace stof::client {
 // what is known is wrong nevertheless, because the first packet was the forged one, it is forgotten
 // after a second without a fresh frame, for a stream whose numbers and freshness both advance:
 // what repeats itself is never taken for new.
+// A network brings packets of a frame late, but whole frames behind newer ones hardly ever: where
+// three come within a second whose numbers were passed over, two senders count.
 class FrameSequence {
  public:
   static constexpr Duration kPatience = std::chrono::seconds(1);
@@ -21,6 +24,7 @@ class FrameSequence {
   enum class Verdict : std::uint8_t {
     kBelieved,        // of a frame that is open or may begin
     kOver,            // its frame was closed
+    kPassedOver,      // likewise, without a packet of it: two senders count
     kImplausible,     // too far ahead
     kResynchronised,  // believed: what was known of the order is forgotten
   };
@@ -48,7 +52,17 @@ class FrameSequence {
     int advances = 0;
   };
 
+  // Frames that were passed over and came after all, since then; each with a higher number.
+  struct Passed {
+    std::uint32_t number = 0;
+    Time since{};
+    int frames = 0;
+  };
+  static constexpr std::uint32_t kRemembered = 256;
+
   bool over(std::uint32_t number) const noexcept;
+  // A packet came of a frame that is over: whether it belongs to a second sender.
+  bool passed_over(std::uint32_t number, Time arrived) noexcept;
   bool fresh(std::uint32_t freshness) const noexcept;
   void follow(const wire::FrameStamp& stamp) noexcept;
 
@@ -58,6 +72,8 @@ class FrameSequence {
   std::optional<std::uint32_t> freshness_;  // of the newest fresh frame
   std::optional<Time> fresh_at_;            // when it arrived; before the first: when we began
   std::optional<Trail> trail_;
+  std::bitset<kRemembered> begun_;  // of the newest numbers, by their remainder
+  std::optional<Passed> passed_;
 };
 
 }  // namespace stof::client

@@ -1,5 +1,8 @@
 // Two senders of one frame: the network repeats packets exactly, so others are somebody else's.
 #include <chrono>
+#include <map>
+#include <random>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -81,6 +84,37 @@ TEST_F(ForgedFrame, OneOfAnotherExposureIsTold) {
   EXPECT_EQ(push({datagrams(other).front()}), 0);
   push(parts(2, 2));
   EXPECT_GT(reassembler_.forgeries(), 0U);
+}
+
+// Whoever is ahead makes the sensor's frames old.
+TEST_F(ForgedFrame, FramesThatWerePassedOverAreTold) {
+  for (const std::uint32_t lead : {3U, 8U, 120U, 128U}) {
+    reassembler_ = Reassembler();
+    push(parts(1, 1));
+    for (std::uint32_t number = 2; number < 5; ++number) {
+      EXPECT_EQ(reassembler_.forgeries(), 0U) << lead << " " << number;
+      EXPECT_EQ(push(parts(number + lead, 77)), 1);
+      EXPECT_EQ(push(parts(number, number)), 0);
+    }
+    EXPECT_GT(reassembler_.forgeries(), 0U) << lead;
+  }
+}
+
+// Where the way of a packet takes up to six periods, frames lie in each other.
+TEST_F(ForgedFrame, LatePacketsOfFramesThatBeganAreNoForgery) {
+  std::mt19937 random(3);                  // NOLINT: the same order in each run
+  std::multimap<unsigned, Datagram> sent;  // by when it comes, ms
+  for (std::uint32_t number = 50; number < 350; ++number) {
+    for (Datagram& packet : parts(number, number)) {
+      sent.emplace(number * 33 + random() % 200, std::move(packet));
+    }
+  }
+  for (const auto& [at_ms, packet] : sent) {
+    reassembler_.push(packet, kStart + milliseconds(at_ms), kStart + milliseconds(at_ms));
+    static_cast<void>(reassembler_.take());
+  }
+  EXPECT_GT(reassembler_.statistics().late, 1000U);
+  EXPECT_EQ(reassembler_.forgeries(), 0U);
 }
 
 // What parity made good came in no datagram, so that the one that comes after all is none of two.
