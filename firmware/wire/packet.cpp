@@ -96,6 +96,12 @@ std::expected<PacketView, PacketFault> parse_packet(std::span<const std::byte> d
   return packet;
 }
 
+std::uint32_t plain_crc(const PacketView& packet) noexcept {
+  std::array<std::byte, kHeaderBytes> header;
+  encode_header_fields(fields_of(packet.header, packet.payload.size()), header);
+  return crc32c(packet.payload, crc32c(header));
+}
+
 std::span<const std::byte> seal_packet(const Header& header, std::size_t payload_bytes,
                                        DatagramBuffer& buffer) noexcept {
   STOF_CHECK(payload_bytes <= kMaxPayload);

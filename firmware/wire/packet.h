@@ -72,6 +72,9 @@ struct PacketView {
   std::uint32_t crc = 0;               // of its datagram; 0: it came in none, parity made it
 };
 
+// The CRC of the datagram that a sender of this version makes of it.
+std::uint32_t plain_crc(const PacketView& packet) noexcept;
+
 // Any bytes; reads nothing outside them. Verified packets only.
 std::expected<PacketView, PacketFault> parse_packet(std::span<const std::byte> datagram) noexcept;
 

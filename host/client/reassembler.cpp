@@ -47,7 +47,7 @@ void Reassembler::push(std::span<const std::byte> datagram, Time arrived, Time n
     ++(statistics_.*kFaults[static_cast<std::size_t>(packet.error())]);
     return;
   }
-  if (options_.verifier != nullptr && !verify(datagram)) {
+  if (is_signed() && !verify(datagram)) {
     return;
   }
   const wire::Header& header = packet->header;
@@ -56,7 +56,7 @@ void Reassembler::push(std::span<const std::byte> datagram, Time arrived, Time n
     return;
   }
   const bool tells = tells_of_sensor(header.type);
-  switch (session_.judge(header.origin, tells, options_.verifier != nullptr, arrived)) {
+  switch (session_.judge(header.origin, tells, is_signed(), arrived)) {
     case SessionTracker::Verdict::kForeign:
       ++(tells || session_.current() ? statistics_.foreign : statistics_.unknown);
       return;
@@ -81,12 +81,13 @@ void Reassembler::push(std::span<const std::byte> datagram, Time arrived, Time n
 
 bool Reassembler::verify(std::span<const std::byte> datagram) {
   using Verdict = StreamVerifier::Verdict;
-  switch (options_.verifier->judge(datagram)) {
+  switch (const Verdict verdict = options_.verifier->judge(datagram); verdict) {
     case Verdict::kGood:
       return true;
     case Verdict::kNotSigned:
+    case Verdict::kKeyToCome:
       ++statistics_.not_signed;
-      forgeries_ += options_.verifier->has_key() ? 1U : 0U;
+      forgeries_ += verdict == Verdict::kNotSigned && options_.verifier->has_key() ? 1U : 0U;
       return false;
     case Verdict::kForged:
       ++statistics_.forged;
@@ -118,6 +119,7 @@ void Reassembler::refuse_old(const wire::Header& header, Time arrived) {
   }
   sequence_.begin(number, arrived);
   statistics_.frames_lost += sequence_.close(number);
+  static_cast<void>(sequence_.advance(header.frame.freshness, arrived));  // fresh, and old by now
   FrameSlot* const open = oldest(FrameSlot::State::kOpen);
   if (open != nullptr && open->number() == number) {
     drop(*open, &Statistics::frames_old);
@@ -127,22 +129,21 @@ void Reassembler::refuse_old(const wire::Header& header, Time arrived) {
 }
 
 FrameSequence::Verdict Reassembler::judge(const wire::Header& header, Time arrived) {
-  const FrameSequence::Verdict verdict = sequence_.judge(header.frame, arrived);
-  if (verdict == FrameSequence::Verdict::kResynchronised) {
+  using Verdict = FrameSequence::Verdict;
+  const Verdict verdict = sequence_.judge(header.frame, arrived);
+  if (verdict == Verdict::kResynchronised) {
     drop_open();
     closed_count_ = 0;
     ++statistics_.resynchronised;
-    ++forgeries_;  // what was believed of the order is of no sensor
   }
-  if (verdict == FrameSequence::Verdict::kResynchronised ||
-      verdict == FrameSequence::Verdict::kImplausible) {
+  if (verdict == Verdict::kResynchronised || verdict == Verdict::kImplausible) {
     pace_.interrupt();
   }
-  if (verdict == FrameSequence::Verdict::kPassedOver) {
-    ++forgeries_;
-    return FrameSequence::Verdict::kOver;
+  // What was believed of the order is of no sensor, or two count.
+  if (verdict == Verdict::kResynchronised || verdict == Verdict::kPassedOver) {
+    forgeries_ += is_signed() ? 0U : 1U;
   }
-  return verdict;
+  return verdict == Verdict::kPassedOver ? Verdict::kOver : verdict;
 }
 
 void Reassembler::drop(FrameSlot& slot, Counter cause) {
@@ -164,7 +165,7 @@ void Reassembler::push_report(const wire::PacketView& packet, Time arrived) {
       push_calibration(packet, arrived);
       break;
     case wire::PacketType::kHealth:
-      count(messages_.push_health(packet, arrived));
+      count(messages_.push_health(packet, is_signed(), arrived));
       break;
     case wire::PacketType::kEvent: {
       bool overflow = false;
@@ -231,8 +232,7 @@ void Reassembler::push_part(const wire::PacketView& packet, Time arrived) {
   if (!count(slot.add(packet, arrived))) {
     return;
   }
-  delay_.note(header.frame, arrived,
-              options_.verifier == nullptr ? 0 : options_.verifier->good_number(),
+  delay_.note(header.frame, arrived, is_signed() ? options_.verifier->good_number() : 0,
               2 * assumed_period() + max_age());
   parity_ = parity_ || slot.parity();
   if (slot.parity()) {
@@ -292,8 +292,7 @@ void Reassembler::close_if_complete(FrameSlot& slot) {
 }
 
 Reassembler::Closed* Reassembler::closed(std::uint32_t number) {
-  const std::size_t known = std::min(closed_count_, kClosed);
-  for (std::size_t i = 0; i < known; ++i) {
+  for (std::size_t i = 0; i < std::min(closed_count_, kClosed); ++i) {
     if (closed_[i].number == number) {
       return &closed_[i];
     }
@@ -310,7 +309,7 @@ void Reassembler::refuse_closed(const wire::PacketView& packet) {
   if (frame == nullptr || !frame->packets.has(index)) {
     ++statistics_.late;
   } else {
-    count(frame->packets.differs(index, packet.crc) ? Placed::kContradicting : Placed::kDuplicate);
+    count(frame->packets.differs(index, packet) ? Placed::kContradicting : Placed::kDuplicate);
   }
 }
 
@@ -321,9 +320,9 @@ void Reassembler::count_closed_parity(const wire::PacketView& packet) {
   if (frame == nullptr || group >= frame->parity_groups) {
     ++statistics_.late;
   } else if (frame->parity.has(group)) {
-    count(frame->parity.differs(group, packet.crc) ? Placed::kContradicting : Placed::kDuplicate);
+    count(frame->parity.differs(group, packet) ? Placed::kContradicting : Placed::kDuplicate);
   } else {
-    frame->parity.insert(group, packet.crc);
+    frame->parity.insert(group, packet);
     ++(frame->whole ? statistics_.packets_ok : statistics_.late);
   }
 }
@@ -379,7 +378,8 @@ void Reassembler::close(FrameSlot& slot) {
     return;
   }
   pace_.note(slot.last_packet(), slot.made_with());
-  messages_.note_frame(slot.made_with(), slot.depth_size(), slot.last_packet());
+  messages_.note_frame(slot.made_with(), slot.depth_size(), slot.stamp().health,
+                       slot.last_packet());
   if (comes_late(slot)) {
     ++late_frames_;
     drop(slot, &Statistics::frames_old);
@@ -393,7 +393,7 @@ void Reassembler::close(FrameSlot& slot) {
 
 bool Reassembler::comes_late(const FrameSlot& slot) {
   const FrameDelay::Verdict verdict =
-      delay_.judge(slot.stamp(), slot.last_packet(), max_age(), options_.verifier != nullptr);
+      delay_.judge(slot.stamp(), slot.last_packet(), max_age(), is_signed());
   statistics_.resynchronised += verdict == FrameDelay::Verdict::kResynchronised ? 1 : 0;
   return verdict == FrameDelay::Verdict::kLate;
 }
@@ -451,7 +451,7 @@ FrameSlot* Reassembler::oldest(FrameSlot::State state) {
 
 Duration Reassembler::period() const {
   // What is signed nobody else tells.
-  return options_.verifier == nullptr ? pace_.believed() : pace_.told();
+  return is_signed() ? pace_.told() : pace_.believed();
 }
 
 Duration Reassembler::frame_timeout() const {

@@ -99,6 +99,8 @@ class Reassembler {
     bool whole = false;
   };
 
+  // Nobody else can have sent what is used.
+  bool is_signed() const noexcept { return options_.verifier != nullptr; }
   // Whether a datagram that was parsed may be believed; counts it where not.
   bool verify(std::span<const std::byte> datagram);
   void start_session();

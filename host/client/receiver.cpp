@@ -87,9 +87,10 @@ struct Receiver::Parts {
         continue;
       }
       const std::uint64_t verified = verifier.good();
-      const std::uint64_t foreign = reassembler.statistics().foreign;
+      const std::uint64_t doubtful = doubtful_packets();
+      verifier.await_key(subscription && subscription->awaits_answer());
       reassembler.push(datagram, arrived, now);
-      if (subscription && reassembler.statistics().foreign > foreign) {
+      if (subscription && doubtful_packets() > doubtful) {
         subscription->doubt(now);
       }
       if (full_since && now - *full_since > kOnTheWay) {
@@ -108,6 +109,11 @@ struct Receiver::Parts {
       }
     }
     return frame;
+  }
+
+  // What the sensor's next answer may explain.
+  std::uint64_t doubtful_packets() const noexcept {
+    return reassembler.statistics().foreign + reassembler.statistics().not_signed;
   }
 
   // A new one may be asked for as a proof.

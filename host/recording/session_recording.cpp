@@ -12,6 +12,8 @@
 namespace stof::recording {
 namespace {
 
+constexpr const char* kForgedTraffic = "forged_traffic";
+
 std::string fingerprint_text(std::uint32_t fingerprint) {
   std::array<char, 9> text{};
   std::snprintf(text.data(), text.size(), "%08x", fingerprint);
@@ -109,6 +111,10 @@ void SessionRecording::look(client::Receiver& receiver) {
   while (const std::optional<client::ToldHealth> health = receiver.take_health()) {
     take(*health);
   }
+  const bool forged = receiver.link().forged_traffic;
+  if (!std::exchange(forged_, forged) && forged) {
+    tell_forgery();
+  }
 }
 
 void SessionRecording::put_early_health() {
@@ -168,6 +174,16 @@ void SessionRecording::tell_unread_settings(const std::string& reason) {
   recorder_.put(mcap::Metadata(metadata_));
 }
 
+// The metadata of a session that begins later has it, too.
+void SessionRecording::tell_forgery() {
+  constexpr std::uint64_t kMostTold = 100;  // nobody can fill a disk with it
+  ++forgeries_;
+  if (begun() && forgeries_ <= kMostTold) {
+    metadata_.entries[kForgedTraffic] = std::to_string(forgeries_);
+    recorder_.put(mcap::Metadata(metadata_));
+  }
+}
+
 void SessionRecording::put_settings(const std::string& document, std::uint64_t time) {
   TopicMessages messages;
   append_settings(messages, document, time);
@@ -223,6 +239,9 @@ void SessionRecording::put_sensor(const client::Frame& frame, const std::string&
                            {"settings", settings_text(frame)}}};
   if (options_.raw) {
     metadata_.entries["calibration"] = calibration_text(frame);
+  }
+  if (forgeries_ != 0) {
+    metadata_.entries[kForgedTraffic] = std::to_string(forgeries_);
   }
   recorder_.put(mcap::Metadata(metadata_));
   watch_.know(documents_);

@@ -64,6 +64,7 @@ class SessionRecording {
   void take_documents(bool wait);
   void follow_settings(std::uint32_t fingerprint, std::uint64_t time);
   void tell_unread_settings(const std::string& reason);
+  void tell_forgery();
   std::string settings_text(const client::Frame& frame) const;
   std::string calibration_text(const client::Frame& frame) const;
   void put_settings(const std::string& document, std::uint64_t time);
@@ -86,6 +87,8 @@ class SessionRecording {
   client::Time first_frame_{};                      // of the recording, when it had come
   std::optional<client::ToldHealth> early_health_;  // the newest that came before it
   std::uint64_t sessions_ = 0;                      // that the receiver has seen
+  bool forged_ = false;                             // LinkState::forged_traffic, when it was seen
+  std::uint64_t forgeries_ = 0;                     // how often it began
   bool raw_begun_ = false;                          // in this session
   Counts counts_;
 };

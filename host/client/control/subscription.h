@@ -94,6 +94,8 @@ class Subscription {
   // The shortest time from a request to its answer, as this program saw it: an answer's way back
   // takes no longer. None: no request was answered yet.
   std::optional<Duration> round_trip() const noexcept { return round_trip_; }
+  // The newest request was not answered yet: the sensor may sign with a key that is on its way.
+  bool awaits_answer() const noexcept { return request_ != answered_; }
   // Asks at once that what comes from now on is signed with a new key; at most once a second.
   void renew_key(Time now);
   // When the newest key was asked for: whatever it signs was sent after that.

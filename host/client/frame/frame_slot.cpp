@@ -17,13 +17,14 @@ bool PacketSet::has(std::size_t index) const noexcept {
          ((words_[index / kWordBits] >> (index % kWordBits)) & 1) != 0;
 }
 
-void PacketSet::insert(std::size_t index, std::uint32_t crc) noexcept {
+void PacketSet::insert(std::size_t index, const wire::PacketView& packet) noexcept {
   words_[index / kWordBits] |= std::uint64_t{1} << (index % kWordBits);
-  crcs_[index] = crc;
+  crcs_[index] = packet.crc != 0 ? packet.crc : wire::plain_crc(packet);
 }
 
-bool PacketSet::differs(std::size_t index, std::uint32_t crc) const noexcept {
-  return has(index) && crcs_[index] != 0 && crc != 0 && crcs_[index] != crc;
+// What parity made lacks what a newer sender may write into its headers.
+bool PacketSet::differs(std::size_t index, const wire::PacketView& packet) const noexcept {
+  return has(index) && crcs_[index] != packet.crc && crcs_[index] != wire::plain_crc(packet);
 }
 
 void FrameSlot::begin(const wire::Header& header, bool parity, Time now) {
@@ -59,7 +60,7 @@ Placed FrameSlot::add(const wire::PacketView& part, Time now) {
     return Placed::kContradicting;
   }
   if (packets_.has(header.index)) {
-    return packets_.differs(header.index, part.crc) ? Placed::kContradicting : Placed::kDuplicate;
+    return packets_.differs(header.index, part) ? Placed::kContradicting : Placed::kDuplicate;
   }
   Placed placed = Placed::kIgnored;
   if (header.type == wire::PacketType::kTile) {
@@ -70,7 +71,7 @@ Placed FrameSlot::add(const wire::PacketView& part, Time now) {
   if (placed == Placed::kContradicting) {
     return placed;
   }
-  packets_.insert(header.index, part.crc);
+  packets_.insert(header.index, part);
   ++received_packets_;
   last_packet_ = now;
   if (parity() && !groups_[group_of(header.index)].one_is_missing()) {
@@ -99,7 +100,7 @@ Placed FrameSlot::add_parity(const wire::PacketView& packet, Time now) {
   }
   const std::size_t group = packet.header.index;
   if (parity_packets_.has(group)) {
-    return parity_packets_.differs(group, packet.crc) ? Placed::kContradicting : Placed::kDuplicate;
+    return parity_packets_.differs(group, packet) ? Placed::kContradicting : Placed::kDuplicate;
   }
   if (parity()) {
     if (group >= groups_.size() || groups_[group].add_parity(packet) != Status::kOk) {
@@ -108,7 +109,7 @@ Placed FrameSlot::add_parity(const wire::PacketView& packet, Time now) {
   } else if (group >= wire::parity_groups(header_.count)) {
     return Placed::kContradicting;
   }
-  parity_packets_.insert(group, packet.crc);
+  parity_packets_.insert(group, packet);
   last_packet_ = now;
   return Placed::kStored;
 }

@@ -25,10 +25,10 @@ class PacketSet {
  public:
   void begin(std::size_t count);
   bool has(std::size_t index) const noexcept;  // false beyond the end
-  // Below the count. crc: as of wire::PacketView.
-  void insert(std::size_t index, std::uint32_t crc) noexcept;
-  // Whether that one arrived with other bytes: networks repeat exactly, so two have sent it.
-  bool differs(std::size_t index, std::uint32_t crc) const noexcept;
+  // One that arrived, or that parity made, at an index below the count.
+  void insert(std::size_t index, const wire::PacketView& packet) noexcept;
+  // Whether that one has other bytes: networks repeat exactly, so two have sent it.
+  bool differs(std::size_t index, const wire::PacketView& packet) const noexcept;
 
  private:
   std::vector<std::uint64_t> words_;

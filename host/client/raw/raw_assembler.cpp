@@ -67,7 +67,7 @@ RawOutcome RawAssembler::push(const wire::PacketView& packet, Time arrived) {
   if (placed != RawOutcome::kTaken) {
     return placed;
   }
-  slot->packets.insert(header.index, packet.crc);
+  slot->packets.insert(header.index, packet);
   slot->last = arrived;
   if (++slot->arrived == header.count) {
     finish_up_to(slot->order);

@@ -13,11 +13,12 @@ namespace stof::client {
 // uptime, which advances as fast as the time that passes, and a little more. Somebody else's may
 // say that all is well while the sensor says stop:
 //  - His uptime is ahead, so that the sensor's reports are late. One that comes later than networks
-//    turn packets round, or the third within ten seconds, is told (lies()), and believed where it
-//    is as bad as what is known.
+//    turn packets round is told (lies()), and believed where it is as bad as what is known.
 //  - His uptime fits. What gets better a second time within 2.5 seconds is believed only when
 //    nothing as bad came for 1.2 seconds: a sensor says something once a second.
-// So he costs a second. What gets worse is believed at once, however late, and whoever says it.
+// So he costs a second. What gets worse is believed at once, however late, and whoever says it; he
+// may say it while all is well. Frames tell how the sensor is, too: where reports are worse than
+// the frames behind them, again and again, two speak.
 // No clock: times are the caller's, and never go back.
 class HealthBook {
  public:
@@ -28,6 +29,10 @@ class HealthBook {
   };
 
   Verdict take(const wire::HealthReport& report, Time arrived);
+  // One that the sensor has signed for this receiver: its uptime alone counts.
+  Verdict take_signed(const wire::HealthReport& report, Time arrived) noexcept;
+  // What a frame said of the sensor, whose last packet arrived then.
+  void note_frame(wire::Health health, Time arrived) noexcept;
   // A session begins; lies() goes on.
   void restart() noexcept;
 
@@ -43,16 +48,21 @@ class HealthBook {
   };
 
   Verdict take_late(const wire::HealthReport& report, Time arrived);
+  void hold_against_frames(const wire::HealthReport& report, Time arrived) noexcept;
   bool believes_uptime(std::uint64_t uptime_ms, Time arrived) const noexcept;
   void show(const wire::HealthReport& report, Time arrived) noexcept;
 
   std::optional<wire::HealthReport> current_;
   Time current_at_{};
-  Said newest_;                        // by its uptime; only where there is a current one
-  std::optional<Said> refused_;        // the last one that was not taken
-  std::optional<Time> bettered_at_;    // that it got better, or would have
-  std::optional<Time> first_late_at_;  // of those that are counted
-  int late_ = 0;
+  Said newest_;                       // by its uptime; only where there is a current one
+  std::optional<Said> refused_;       // the last one that was not taken
+  std::optional<Time> bettered_at_;   // that it got better, or would have
+  Time as_bad_since_{};               // as the current one
+  Time as_bad_at_{};                  // the newest one, also of those that are late
+  std::optional<Time> better_since_;  // that frames are, of those behind as_bad_since_
+  bool refuted_ = false;  // the newest bad one: frames were better for longer than packets are late
+  std::optional<Time> first_refuted_at_;  // of those that are counted
+  int refutals_ = 0;
   std::uint64_t lies_ = 0;
 };
 

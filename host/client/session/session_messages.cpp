@@ -93,7 +93,8 @@ MessageOutcome SessionMessages::push_calibration(const wire::PacketView& packet,
 }
 
 void SessionMessages::note_frame(const std::optional<MadeWith>& made, ImageSize depth,
-                                 Time arrived) noexcept {
+                                 wire::Health health, Time arrived) noexcept {
+  health_.note_frame(health, arrived);
   if (!made) {
     return;
   }
@@ -119,13 +120,15 @@ void SessionMessages::note_change(const wire::CalibrationPacket& calibration,
 }
 
 // Health goes on while no frame is sent: its order is that of the uptime.
-MessageOutcome SessionMessages::push_health(const wire::PacketView& packet, Time arrived) {
+MessageOutcome SessionMessages::push_health(const wire::PacketView& packet, bool is_signed,
+                                            Time arrived) {
   const Result<wire::HealthReport> decoded = wire::decode_health_report(packet.payload);
   if (!decoded) {
     return MessageOutcome::kContradicting;
   }
   const std::optional<wire::HealthReport> before = health_.current();
-  const HealthBook::Verdict verdict = health_.take(*decoded, arrived);
+  const HealthBook::Verdict verdict =
+      is_signed ? health_.take_signed(*decoded, arrived) : health_.take(*decoded, arrived);
   if (!before || !same(*before, *health_.current())) {
     healths_.push({.report = *decoded, .from = packet.header.origin, .arrived = arrived});
   }

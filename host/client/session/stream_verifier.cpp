@@ -26,7 +26,7 @@ StreamVerifier::Verdict StreamVerifier::judge(std::span<const std::byte> datagra
                                        })
                 : known_.end();
   if (known == known_.end()) {
-    return Verdict::kNotSigned;
+    return signature && awaits_key_ ? Verdict::kKeyToCome : Verdict::kNotSigned;
   }
   const std::uint64_t counter = signature->counter;
   // What costs little comes first: a repetition is not worth a tag.

@@ -19,6 +19,7 @@ class StreamVerifier {
   enum class Verdict : std::uint8_t {
     kGood,
     kNotSigned,  // or with a key that is not known here
+    kKeyToCome,  // likewise, while an answer with a key may be on its way
     kForged,
     kDuplicate,
     kLate,  // its counter is so old that nobody knows whether it came
@@ -28,6 +29,9 @@ class StreamVerifier {
   // well, until the next one; what it signed in another session no more.
   void set_key(const wire::StreamKey& key, std::uint32_t session = 0);
   bool has_key() const noexcept { return known_.front().tagger.key().number != 0; }
+
+  // Whether the sensor was asked for a key, and has not answered.
+  void await_key(bool awaited) noexcept { awaits_key_ = awaited; }
 
   // Of a datagram that wire::parse_packet() took. A good one's counter is used up.
   Verdict judge(std::span<const std::byte> datagram);
@@ -48,6 +52,7 @@ class StreamVerifier {
   std::uint64_t good_ = 0;
   std::uint32_t good_number_ = 0;
   std::uint32_t session_ = 0;
+  bool awaits_key_ = false;
 };
 
 }  // namespace stof::client

@@ -1,4 +1,5 @@
 // Two senders of one frame: the network repeats packets exactly, so others are somebody else's.
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <random>
@@ -127,6 +128,42 @@ TEST_F(ForgedFrame, WhatComesAfterParityMadeItGoodIsNoForgery) {
   EXPECT_EQ(reassembler_.statistics().recovered, 1U);
   EXPECT_EQ(push({late}), 0);
   EXPECT_EQ(reassembler_.forgeries(), 0U);
+}
+
+// Who sends parity where the sensor sends none fills the gap that the sensor is about to fill.
+TEST_F(ForgedFrame, WhatForgedParityMakesIsTold) {
+  push({parts(1, 1, true).back()});
+  std::vector<Datagram> packets = parts(2, 2);
+  const Datagram sent = packets[3];
+  packets.erase(packets.begin() + 3);
+  packets.push_back(parts(2, 2, true).back());
+  EXPECT_EQ(push(packets), 1);  // its info had another number of parity's groups: pixels differ
+  EXPECT_EQ(reassembler_.forgeries(), 0U);
+  push({sent});
+  EXPECT_GT(reassembler_.forgeries(), 0U);
+}
+
+// Whoever does not run for a while finds what came meanwhile in the socket.
+TEST_F(ForgedFrame, WhatWaitedForAStoppedReceiverIsNoForgery) {
+  for (const milliseconds stop : {milliseconds(500), milliseconds(1300), milliseconds(2500)}) {
+    reassembler_ = Reassembler();
+    now_ = kStart;
+    std::uint32_t number = 1;
+    for (; number < 30; ++number) {
+      EXPECT_EQ(push(parts(number, number)), 1);
+    }
+    const Time runs_again = now_ + stop;
+    int came = 0;
+    for (; number < 200; ++number) {
+      for (const Datagram& packet : parts(number, number)) {
+        reassembler_.push(packet, now_, std::max(now_, runs_again));
+        came += reassembler_.take(std::max(now_, runs_again)) ? 1 : 0;
+      }
+      now_ += milliseconds(33);
+    }
+    EXPECT_GT(came, 90) << stop.count();
+    EXPECT_EQ(reassembler_.forgeries(), 0U) << stop.count();
+  }
 }
 
 // Of a session that was never that sensor's: what says nothing of a sensor makes and keeps none.

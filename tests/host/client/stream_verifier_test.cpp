@@ -94,6 +94,9 @@ TEST_F(Verifier, RefusesWhatAnotherKeySigned) {
   EXPECT_EQ(judge(1, numbered(6)), Verdict::kNotSigned);  // another receiver's
   EXPECT_EQ(judge(1, numbered(0)), Verdict::kNotSigned);
   EXPECT_EQ(verifier_.judge(plain_), Verdict::kNotSigned);
+  verifier_.await_key(true);
+  EXPECT_EQ(judge(1, numbered(6)), Verdict::kKeyToCome);
+  EXPECT_EQ(verifier_.judge(plain_), Verdict::kNotSigned);
   EXPECT_EQ(verifier_.good(), 0U);
 }
 
