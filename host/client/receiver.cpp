@@ -14,7 +14,8 @@ namespace {
 
 // Read before the time is looked at: a frame is up to 4,000 datagrams.
 constexpr std::size_t kLeastBatches = 4096 / posix::DatagramBatch::kMost;
-// What was sent before the sensor had no place left for us may still be on its way.
+// What was sent before the sensor had no place left for us, or signed with an earlier key, may
+// still be on its way.
 constexpr Duration kOnTheWay = std::chrono::milliseconds(500);
 constexpr Duration kForever = std::chrono::hours(24 * 365);  // keeps sums of times in range
 
@@ -81,14 +82,15 @@ struct Receiver::Parts {
           reassembler.expect(*subscription->answerer());
         }
         if (subscription->stream_key().number != 0) {
-          take_key();
+          take_key(now);
         }
         ask(now);  // a cookie is shown at once
         continue;
       }
       const std::uint64_t verified = verifier.good();
       const std::uint64_t doubtful = doubtful_packets();
-      verifier.await_key(subscription && subscription->awaits_answer());
+      verifier.await_key(subscription &&
+                         (subscription->awaits_answer() || now - key_since < kOnTheWay));
       reassembler.push(datagram, arrived, now);
       if (subscription && doubtful_packets() > doubtful) {
         subscription->doubt(now);
@@ -117,8 +119,11 @@ struct Receiver::Parts {
   }
 
   // A new one may be asked for as a proof.
-  void take_key() {
+  void take_key(Time now) {
     const wire::StreamKey& key = subscription->stream_key();
+    if (key.number != key_number || subscription->session() != key_session) {
+      key_since = now;
+    }
     if (key.number != key_number && key_number != 0 && subscription->session() == key_session) {
       reassembler.delay().prove(key.number, subscription->key_asked());
     }
@@ -150,6 +155,7 @@ struct Receiver::Parts {
   std::optional<Time> full_since;  // the sensor has no place for us
   std::uint32_t key_number = 0;    // of the stream key; 0: none yet
   std::uint32_t key_session = 0;
+  Time key_since{};
   Duration slept{time_asleep(Duration(0))};
   std::size_t read = 0;                        // datagrams in the socket's space
   std::size_t next = 0;                        // of these, to push

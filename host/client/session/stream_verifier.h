@@ -19,7 +19,7 @@ class StreamVerifier {
   enum class Verdict : std::uint8_t {
     kGood,
     kNotSigned,  // or with a key that is not known here
-    kKeyToCome,  // likewise, while an answer with a key may be on its way
+    kKeyToCome,  // likewise, while an answer with a key, or what an earlier one signed, may come
     kForged,
     kDuplicate,
     kLate,  // its counter is so old that nobody knows whether it came
@@ -30,7 +30,7 @@ class StreamVerifier {
   void set_key(const wire::StreamKey& key, std::uint32_t session = 0);
   bool has_key() const noexcept { return known_.front().tagger.key().number != 0; }
 
-  // Whether the sensor was asked for a key, and has not answered.
+  // Whether the sensor was asked for a key and has not answered, or has just given one.
   void await_key(bool awaited) noexcept { awaits_key_ = awaited; }
 
   // Of a datagram that wire::parse_packet() took. A good one's counter is used up.
