@@ -140,13 +140,16 @@ std::optional<RecordedFrame> IndexedFrames::next() {
 }
 
 std::optional<RecordedFrame> IndexedFrames::last_before(std::uint64_t log_time) {
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 62;
+  const std::uint64_t length = log_time - std::min(log_time, begin_ns());
   for (std::uint64_t back = kLookedThroughNs;; back *= 2) {
-    seek(log_time - std::min(log_time, back));
+    const bool all = back >= std::min(length, kMost);
+    seek(all ? 0 : log_time - back);
     std::optional<RecordedFrame> last;
     for (auto frame = next(); frame && frame->log_time < log_time; frame = next()) {
       last = std::move(frame);
     }
-    if (last || log_time - std::min(log_time, back) <= begin_ns()) {
+    if (last || all) {
       seek(last ? last->log_time + 1 : log_time);
       return last;
     }
