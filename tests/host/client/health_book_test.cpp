@@ -1,9 +1,9 @@
 #include "host/client/session/health_book.h"
 
 #include <chrono>
+#include <functional>
 #include <map>
 #include <random>
-#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -117,26 +117,23 @@ TEST_F(Healths, WhatComesAndGoesIsNoLie) {
   for (int run = 0; run < 200; ++run) {
     book_ = {};
     bool bad = false;
-    std::multimap<Duration, std::pair<bool, Duration>> reports;  // when it comes: what, its uptime
-    std::multimap<Duration, bool> frames;
+    std::multimap<Duration, std::function<void(Duration)>> arrivals;
     for (Duration at = 10s; at < 30s; at += 10ms) {
       const bool changes = random() % 50 == 0;
       bad = bad != changes;
       if ((changes || at % 1s == 0ms) && random() % 10 != 0) {
-        reports.emplace(at + milliseconds(random() % 240), std::pair(bad, at));
+        arrivals.emplace(at + milliseconds(random() % 240), [this, bad, at](Duration now) {
+          say(now, bad ? wire::Reaction::kStop : wire::Reaction{}, at - now);
+        });
       }
       if (at % 30ms == 0ms) {
-        frames.emplace(at + milliseconds(random() % 240), bad);
+        arrivals.emplace(at + milliseconds(random() % 240), [this, bad](Duration now) {
+          frame(now, bad ? wire::Health::kFault : wire::Health::kOk);
+        });
       }
     }
-    for (Duration at = 10s; at < 31s; at += 1ms) {
-      for (auto [it, end] = reports.equal_range(at); it != end; ++it) {
-        say(at, it->second.first ? wire::Reaction::kStop : wire::Reaction{},
-            it->second.second - at);
-      }
-      for (auto [it, end] = frames.equal_range(at); it != end; ++it) {
-        frame(at, it->second ? wire::Health::kFault : wire::Health::kOk);
-      }
+    for (const auto& [at, arrive] : arrivals) {
+      arrive(at);
     }
     EXPECT_EQ(book_.lies(), 0U) << run;
   }
