@@ -164,6 +164,10 @@ std::optional<RecordedFrame> FrameReader::next() {
     if (!*item) {
       return of_its_file(frames_.end());
     }
+    if (const auto* const metadata = std::get_if<mcap::Metadata>(&**item)) {
+      forged_traffic_ = forged_traffic_ || (metadata->name == kSensorMetadata &&
+                                            metadata->entries.contains(kForgedTraffic));
+    }
     const auto* const message = std::get_if<mcap::Message>(&**item);
     const std::optional<Topic> topic =
         message != nullptr ? topic_of(reader_.index(), message->channel_id) : std::nullopt;

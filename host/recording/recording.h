@@ -77,6 +77,8 @@ class FrameReader {
   // Of what was read so far.
   const Sights& sights() const noexcept { return frames_.sights(); }
   const ToldLenses& lenses() const noexcept { return frames_.lenses(); }
+  // It was told that somebody speaks in the sensor's name.
+  bool forged_traffic() const noexcept { return forged_traffic_; }
 
  private:
   FrameReader(std::unique_ptr<mcap::FileSource> source, mcap::StreamReader&& reader)
@@ -91,6 +93,7 @@ class FrameReader {
   FrameAssembler frames_;
   std::uint64_t damaged_ = 0;  // records
   bool being_written_;
+  bool forged_traffic_ = false;
   std::uint32_t file_ = 1;  // of the frame that is being put together
 };
 

@@ -12,8 +12,6 @@
 namespace stof::recording {
 namespace {
 
-constexpr const char* kForgedTraffic = "forged_traffic";
-
 std::string fingerprint_text(std::uint32_t fingerprint) {
   std::array<char, 9> text{};
   std::snprintf(text.data(), text.size(), "%08x", fingerprint);

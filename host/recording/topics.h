@@ -80,6 +80,8 @@ constexpr std::optional<Topic> topic_named(std::string_view name) noexcept {
 inline constexpr std::string_view kProfile = "ros2";
 inline constexpr std::string_view kEncoding = "cdr";
 inline constexpr const char* kSensorMetadata = "stof";
+// In it: how often it was told that somebody speaks in the sensor's name.
+inline constexpr const char* kForgedTraffic = "forged_traffic";
 inline constexpr const char* kSettingsAttachment = "settings.json";
 inline constexpr const char* kCalibrationAttachment = "calibration.cal";
 

@@ -40,6 +40,7 @@ void note_reception(Reception& reception, CheckFacts& facts) {
   const client::LinkState link = receiver.link();
   facts.comes = reception.frames() == 0 || link.silent ? what_comes(link) : Comes::kFrames;
   facts.silent_since = link.frame_age;
+  facts.forged_traffic = link.forged_traffic;
   // One that goes on is no gap in the stream.
   const unsigned silences = reception.link().silences();
   facts.stats.silences = silences - (link.silent && silences != 0 ? 1U : 0U);
@@ -148,6 +149,7 @@ CheckFacts check_file(const CheckOptions& options) {
     look_at(frame->view(), facts);
   }
   facts.lenses_contradict = reader.lenses().contradict();
+  facts.forged_traffic = reader.forged_traffic();
   if (!reader.sights().health.empty()) {
     facts.health = health_of_file(options.sensor, options.json);
   }

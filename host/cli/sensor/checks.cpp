@@ -240,6 +240,13 @@ Check check_link(const CheckFacts& facts) {
         share > kTolerable || facts.stats.silences != 0 ? CheckVerdict::kFix : CheckVerdict::kNote;
     check.fix = loss_fix(facts, share);
   }
+  if (facts.forged_traffic) {  // whatever else: nothing is sure then
+    check.verdict = CheckVerdict::kFix;
+    check.found += facts.recorded ? ", and somebody spoke in the sensor's name, or it was faulty"
+                                  : ", and somebody speaks in the sensor's name, or it is faulty";
+    check.fix = facts.recorded ? "record it anew, with --signed"
+                               : "find who it is; stof pair, and --signed, is spared him";
+  }
   if (facts.network.speed_mbit && figures.seconds() > 0) {
     constexpr double kMostShare = 0.7;
     const double mbit =

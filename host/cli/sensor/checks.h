@@ -30,6 +30,7 @@ struct CheckFacts {
   StreamStats stats{};
   Comes comes = Comes::kFrames;                    // at the end
   std::optional<client::Duration> silent_since{};  // age of the last frame then, where none comes
+  bool forged_traffic = false;  // it was told, of a sensor in the last two seconds
   std::optional<HealthState> health{};
   std::optional<wire::CalibrationPacket> calibration{};
   bool lenses_contradict = false;         // of a recording: recording::ToldLenses

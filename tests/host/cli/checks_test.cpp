@@ -100,6 +100,7 @@ TEST(Checks, SayWhatIsWrongAndWhatToDoInOneLine) {
          f.stats.silences = 1;
          f.stats.counts.frames_lost = 1;
        }},
+      {"link", CheckVerdict::kFix, "--signed", [](CheckFacts& f) { f.forged_traffic = true; }},
       {"link", CheckVerdict::kFix, "nearly full",  // 50,000 packets in 4.9 s: 104 Mbit/s
        [](CheckFacts& f) {
          f.stats.counts.packets_ok = 50'000;
