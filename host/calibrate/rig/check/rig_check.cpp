@@ -131,11 +131,21 @@ double shows_from(const std::vector<BothLooks>& looks, const dsp::Calibration& c
   }
   const std::size_t every = readings / kEnoughReadings + 1;
   const Matrix3 turn = rotation_of(pose_of(calibration.pmd_to_stereo));
-  const auto shows = [&](double degrees) {
+  const auto median_at = [&](double degrees) {
     const Eigen::AngleAxisd more(degrees / kDegrees, Vector3::Unit(axis));
     const std::vector<double> off =
         readings_off(looks, calibration, more.toRotationMatrix() * turn, every);
-    return off.size() >= kFewestPoints && std::abs(median(off)) > kLargestDepthMm;
+    return off.size() >= kFewestPoints ? std::optional(median(off)) : std::nullopt;
+  };
+  const std::optional<double> now = median_at(0);
+  if (!now) {
+    return DepthCheck::kNever;
+  }
+  // What disagrees already may hide as much of a turn.
+  const double least = kLargestDepthMm + std::min(std::abs(*now), kLargestDepthMm);
+  const auto shows = [&](double degrees) {
+    const std::optional<double> then = median_at(degrees);
+    return then && std::abs(*then - *now) > least;
   };
   for (const double degrees : kTurnsDeg) {
     if (shows(degrees) && shows(-degrees)) {

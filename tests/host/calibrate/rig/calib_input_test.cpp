@@ -289,6 +289,11 @@ TEST_F(CalibRigInput, ATurnShowsFromWhereItsVerdictChanges) {
   };
   EXPECT_GT(turned(pitch), kLargestDepthMm);
   EXPECT_LT(turned(pitch / 3), kLargestDepthMm);
+  // Distances that are off already hide as much of it.
+  for (PlaneLook& look : both.pmd) {
+    look.q += 0.007;
+  }
+  EXPECT_GT(check_depths({both}, rig)->turn_shows_deg[0], pitch);
 }
 
 TEST_F(CalibRigInput, AFileThatIsNoneOfTheKindIsNotLostToASheetOrAnExport) {
