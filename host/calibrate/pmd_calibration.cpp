@@ -267,7 +267,8 @@ class Steps {
     data.every = std::max(
         every, static_cast<int>((data.rays.size() + kEnoughForAWall - 1) / kEnoughForAWall));
     const FitResult all = fit_model(data, out_.parts, best_.model);
-    std::vector<WrongWall>& wrong = out_.wrong_walls;
+    std::vector<WrongWall> wrong;
+    bool certain = false;  // that one of them is
     for (std::size_t w = 0; w < data.walls.size(); ++w) {
       FitParts parts = out_.parts;
       parts.shifted_wall = w;
@@ -275,8 +276,8 @@ class Steps {
       const double shift = freed.model.wall_shift_m;
       const double sigma = freed.wall_shift_sigma * std::max(1.0, misfit_of(freed));
       const double explains = gain(all, freed);
-      if (explains >= kWallShare &&
-          std::abs(shift) > std::max(kLeastShiftM, kSignificant * sigma)) {
+      if (std::abs(shift) > kLeastShiftM) {
+        certain |= explains >= kWallShare && std::abs(shift) > kSignificant * sigma;
         wrong.push_back({.name = data.walls[w].name,
                          .z_m = data.walls[w].z_m,
                          .likely_m = data.walls[w].z_m + shift,
@@ -285,10 +286,14 @@ class Steps {
       }
     }
     data.every = every;
+    if (!certain) {
+      return;
+    }
     std::ranges::sort(wrong, std::ranges::greater(), &WrongWall::explains);
-    std::erase_if(wrong, [most = wrong.empty() ? 0 : wrong[0].explains](const auto& wall) {
+    std::erase_if(wrong, [most = wrong.front().explains](const WrongWall& wall) {
       return wall.explains < kAsLikely * most;
     });
+    out_.wrong_walls = std::move(wrong);
   }
 
   static double misfit_of(const FitResult& fit) {
