@@ -61,11 +61,9 @@ std::expected<void, dataset::Problem> write_calibration(const std::filesystem::p
     return refuse(file, "too large for a calibration file", "use a smaller sensor");
   }
   constexpr mode_t kReadable = 0666;  // as the user's mask leaves it
-  if (posix::replace_file(file.string(), bytes, kReadable) != 0) {
-    return refuse(file, "cannot be written",
-                  "check the folder, its permissions and the free space");
-  }
-  return {};
+  const int error = posix::replace_file(file.string(), bytes, kReadable);
+  return error == 0 ? std::expected<void, dataset::Problem>()
+                    : dataset::refuse_to_write(file, error);
 }
 
 }  // namespace stof::host

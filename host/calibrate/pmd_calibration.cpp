@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "dataset/files/file.h"
@@ -12,9 +13,9 @@
 namespace stof::host {
 namespace {
 
-constexpr std::size_t kFewestWalls = 3;
 constexpr std::size_t kFewestForStray = 4;
 constexpr std::size_t kEnoughPixels = 4096;
+constexpr std::size_t kEnoughForAWall = 512;
 // A constant is kept when it explains this share of the misfit, and is this many times its
 // standard deviation. Millions of samples make anything significant; below these shares it is the
 // model's own error that is explained.
@@ -22,7 +23,10 @@ constexpr double kStrayShare = 0.05;
 constexpr double kScaleShare = 0.02;
 constexpr double kEmitterShare = 0.02;
 constexpr double kWallTurnShare = 0.02;
-constexpr double kSimpler = 0.6;  // times the energy of the wiggling
+constexpr double kWallShare = 0.03;
+constexpr double kAsLikely = 0.5;       // of what the likeliest wall explains
+constexpr double kLeastShiftM = 0.015;  // of a wall, beyond what a tape is read to
+constexpr double kSimpler = 0.6;        // times the energy of the wiggling
 constexpr double kSignificant = 5;
 
 SampleNoise noise_of(const dsp::PmdSensor& sensor) {
@@ -68,6 +72,7 @@ class Steps {
     try_scale();
     try_emitter_and_wall_turn();
     confirm_stray();
+    judge_walls();
     finish();
     return std::move(out_);
   }
@@ -254,6 +259,47 @@ class Steps {
     }
   }
 
+  // A wall whose distance is mistyped is explained by the wiggling, at the price of all walls. So
+  // each in turn may stand elsewhere: of a wrong one that explains much. Some hundred pixels tell.
+  void judge_walls() {
+    WallData& data = out_.data;
+    const int every = data.every;
+    data.every = std::max(
+        every, static_cast<int>((data.rays.size() + kEnoughForAWall - 1) / kEnoughForAWall));
+    const FitResult all = fit_model(data, out_.parts, best_.model);
+    std::vector<WrongWall> wrong;
+    bool certain = false;  // that one of them is
+    for (std::size_t w = 0; w < data.walls.size(); ++w) {
+      FitParts parts = out_.parts;
+      parts.shifted_wall = w;
+      const FitResult freed = fit_model(data, parts, best_.model);
+      const double shift = freed.model.wall_shift_m;
+      const double sigma = freed.wall_shift_sigma * std::max(1.0, misfit_of(freed));
+      const double explains = gain(all, freed);
+      if (std::abs(shift) > kLeastShiftM) {
+        certain |= explains >= kWallShare && std::abs(shift) > kSignificant * sigma;
+        wrong.push_back({.name = data.walls[w].name,
+                         .z_m = data.walls[w].z_m,
+                         .likely_m = data.walls[w].z_m + shift,
+                         .sigma_m = sigma,
+                         .explains = explains});
+      }
+    }
+    data.every = every;
+    if (!certain) {
+      return;
+    }
+    std::ranges::sort(wrong, std::ranges::greater(), &WrongWall::explains);
+    std::erase_if(wrong, [most = wrong.front().explains](const WrongWall& wall) {
+      return wall.explains < kAsLikely * most;
+    });
+    out_.wrong_walls = std::move(wrong);
+  }
+
+  static double misfit_of(const FitResult& fit) {
+    return std::sqrt(2 * fit.cost / static_cast<double>(std::max<std::size_t>(fit.readings, 1)));
+  }
+
   static double energy(const WigglingCurve& curve) {
     double sum = 0;
     for (std::size_t h = 0; h < curve.sine.size(); ++h) {
@@ -282,8 +328,7 @@ class Steps {
   void finish() {
     out_.widest_gap = widest_gap(out_.data, best_.model);
     out_.readings = best_.readings;
-    out_.misfit =
-        std::sqrt(2 * best_.cost / static_cast<double>(std::max<std::size_t>(best_.readings, 1)));
+    out_.misfit = misfit_of(best_);
     out_.scale_sigma = best_.scale_sigma;
     complete_pattern();
     out_.line = fit_line(out_.data, best_.model);

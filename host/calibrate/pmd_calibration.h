@@ -37,6 +37,15 @@ struct StrayReport {
   double explains = 0;    // share of the misfit that is gone with it
 };
 
+// A wall that the others put elsewhere: its distance is mistyped, or it was moved.
+struct WrongWall {
+  std::string name;
+  double z_m = 0;       // as told
+  double likely_m = 0;  // by the other walls
+  double sigma_m = 0;
+  double explains = 0;  // share of the misfit that is gone where it stands there
+};
+
 // Residuals of more standard deviations than this are not what the model leaves.
 inline constexpr double kLargestMisfit = 2;
 
@@ -47,6 +56,8 @@ struct PmdCalibration {
   FitParts parts;  // what was estimated, and kept, in the end
   std::optional<LineFit> line;
   StrayReport stray;
+  // The likeliest first, and those that explain half as much or more: one of them, as a rule.
+  std::vector<WrongWall> wrong_walls;
   SampleNoise noise;
   bool noise_fitted = false;
   std::optional<dsp::SigmaPolynomial> sigma;
@@ -56,7 +67,9 @@ struct PmdCalibration {
   std::size_t readings = 0;
   WallData data;
 
-  bool explains_the_walls() const noexcept { return misfit <= kLargestMisfit; }
+  bool explains_the_walls() const noexcept {
+    return misfit <= kLargestMisfit && wrong_walls.empty();
+  }
 
   PmdCalibration() = default;
   PmdCalibration(PmdCalibration&&) = default;  // keeps pattern's storage
@@ -64,6 +77,8 @@ struct PmdCalibration {
   PmdCalibration(const PmdCalibration&) = delete;
   PmdCalibration& operator=(const PmdCalibration&) = delete;
 };
+
+inline constexpr std::size_t kFewestWalls = 3;  // at as many distances
 
 // `camera` has what the recordings know: lens, modulation, dark, saturation, emitters. One line
 // where the walls are at fewer than three distances or have no usable pixel.

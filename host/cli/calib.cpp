@@ -184,6 +184,13 @@ void calib_pmd(const CalibPmdOptions& options) {
   } else {
     std::printf("%s", report_text(report, *found).c_str());
   }
+  if (!written && !found->wrong_walls.empty()) {
+    throw Failure(Exit::kBadInput,
+                  options.folder.string() +
+                      ": the model does not explain these walls, no file is written: " +
+                      wrong_walls_text(found->wrong_walls) +
+                      ": measure again, and correct z_m or take the wall out; or give --force");
+  }
   if (!written) {
     throw Failure(Exit::kBadInput,
                   options.folder.string() +

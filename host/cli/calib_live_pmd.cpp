@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "dataset/files/file.h"
+#include "host/calibrate/pmd_calibration.h"
 #include "host/calibrate/walls/pmd_wall.h"
 #include "host/cli/failure.h"
 #include "host/cli/live/live_lines.h"
@@ -65,6 +66,12 @@ class PmdWalls {
     for (const std::filesystem::path& prefix : value_or_fail(list_walls(folder_))) {
       walk_.add(value_or_fail(read_wall(prefix)).z_m);
     }
+    if (walk_.distances() < kFewestWalls) {
+      throw Failure(Exit::kBadInput,
+                    printed("--distances: with the walls of %s these are %zu distances: a "
+                            "calibration needs %zu at least",
+                            folder_.c_str(), walk_.distances(), kFewestWalls));
+    }
     if (!walk_.next()) {
       return;
     }
@@ -120,10 +127,21 @@ class PmdWalls {
       return;
     }
     wall.recording.calibration.pmd = camera_;
-    value_or_fail(write_wall(folder_ / wall.name, wall));
+    keep(wall);
     walk_.add(z);
     lines_.note(
         printed("%s: taken at %.4g m, %zu exposures", wall.name.c_str(), z, options_.exposures));
+  }
+
+  void keep(const WallRecording& wall) const {
+    const std::expected<void, dataset::Problem> written = write_wall(folder_ / wall.name, wall);
+    if (!written) {
+      for (const char* const ending : {".json", "_raw.pgm"}) {
+        std::error_code error;
+        std::filesystem::remove(dataset::file_of(folder_ / wall.name, ending), error);
+      }
+      throw Failure(Exit::kFailure, written.error().message + "; " + walk_.kept_text());
+    }
   }
 
   const PmdLiveOptions& options_;

@@ -35,6 +35,7 @@ Unknowns unknowns_of(const PmdModel& model) {
   x[kStrayQ] = model.stray.imag();
   x[kWallTurnX] = model.wall_turn[0];
   x[kWallTurnY] = model.wall_turn[1];
+  x[kWallShift] = model.wall_shift_m;
   for (std::size_t h = 0; h < kHarmonics; ++h) {
     x[kFirstHarmonic + 2 * h] = model.wiggling.cosine[h];
     x[kFirstHarmonic + 2 * h + 1] = model.wiggling.sine[h];
@@ -47,6 +48,7 @@ void put_unknowns(const Unknowns& x, const std::vector<dsp::Emitter>& emitters, 
   model.scale = x[kScale];
   model.stray = {x[kStrayI], x[kStrayQ]};
   model.wall_turn = {x[kWallTurnX], x[kWallTurnY]};
+  model.wall_shift_m = x[kWallShift];
   model.emitters = emitters;
   move_emitters(model, x[kEmitterX], x[kEmitterY]);
   for (std::size_t h = 0; h < kHarmonics; ++h) {
@@ -235,6 +237,7 @@ class Fit final : public ceres::EvaluationCallback {
     result_.stray_sigma = std::sqrt(std::max(shared(kStrayI, kStrayI), shared(kStrayQ, kStrayQ)));
     result_.wall_turn_sigma =
         std::sqrt(std::max(shared(kWallTurnX, kWallTurnX), shared(kWallTurnY, kWallTurnY)));
+    result_.wall_shift_sigma = std::sqrt(shared(kWallShift, kWallShift));
     information_.assign(pattern_.size(), 0);
     for (const Observation& o : seen_) {
       const Row row = row_of(data_, parts_, candidate_.model, o);

@@ -22,6 +22,8 @@ struct WallData {
   int every = 1;
 };
 
+inline constexpr std::size_t kNoWall = static_cast<std::size_t>(-1);
+
 // Which constants are estimated; the others stay as they are.
 struct FitParts {
   bool offset = true;
@@ -29,8 +31,9 @@ struct FitParts {
   bool wiggling = true;
   bool pattern = true;
   bool stray = true;
-  bool emitter = false;    // x and y of emitters[0], or half the spread of two
-  bool wall_turn = false;  // of all walls, alike
+  bool emitter = false;                // x and y of emitters[0], or half the spread of two
+  bool wall_turn = false;              // of all walls, alike
+  std::size_t shifted_wall = kNoWall;  // its distance is estimated, too
 };
 
 struct FitResult {
@@ -41,6 +44,7 @@ struct FitResult {
   double scale_sigma = 0;
   double stray_sigma = 0;      // the larger of I and Q
   double wall_turn_sigma = 0;  // the larger of x and y
+  double wall_shift_sigma = 0;
   bool converged = false;
 };
 

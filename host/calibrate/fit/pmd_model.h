@@ -51,6 +51,7 @@ struct PmdModel {
   std::vector<dsp::Emitter> emitters;
   std::vector<double> pattern;  // of each pixel, or empty
   WallTurn wall_turn{};         // not of the sensor: how the walls stood
+  double wall_shift_m = 0;      // nor this: of FitParts::shifted_wall
 };
 
 double half_path(std::span<const dsp::Emitter> emitters, const std::array<double, 3>& ray,

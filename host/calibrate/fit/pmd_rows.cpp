@@ -12,36 +12,49 @@ constexpr double kScalePrior = 0.05;
 constexpr double kHarmonicPrior = 0.003;  // turns
 
 // Along the ray of that pixel, to a wall turned so.
-double distance_of(const PmdModel& model, const std::array<double, 3>& ray, const Observation& o) {
-  return distance_to_wall(model.wall_turn, ray, o.distance_m * ray[2]);
+double distance_of(const FitParts& parts, const PmdModel& model, const std::array<double, 3>& ray,
+                   const Observation& o) {
+  const double shift = o.wall == parts.shifted_wall ? model.wall_shift_m : 0;
+  return distance_to_wall(model.wall_turn, ray, o.distance_m * ray[2] + shift);
 }
 
 // By differences: these two are rarely asked for.
-void wall_turn_columns(const WallData& data, const PmdModel& model, const Observation& o,
-                       double by_path, Row& row) {
+void wall_turn_columns(const WallData& data, const FitParts& parts, const PmdModel& model,
+                       const Observation& o, double by_path, Row& row) {
   constexpr double kStep = 1e-4;
   const std::array<double, 3>& ray = data.rays[o.pixel];
   for (const std::size_t axis : {0U, 1U}) {
     PmdModel turned = model;
     turned.wall_turn[axis] += kStep;
-    const double change = half_path(model.emitters, ray, distance_of(turned, ray, o)) -
-                          half_path(model.emitters, ray, distance_of(model, ray, o));
+    const double change = half_path(model.emitters, ray, distance_of(parts, turned, ray, o)) -
+                          half_path(model.emitters, ray, distance_of(parts, model, ray, o));
     row.by[kWallTurnX + static_cast<int>(axis)] = by_path * change / kStep;
   }
 }
 
-void emitter_columns(const WallData& data, const PmdModel& model, const Observation& o,
-                     double by_path, Row& row) {
+void emitter_columns(const WallData& data, const FitParts& parts, const PmdModel& model,
+                     const Observation& o, double by_path, Row& row) {
   constexpr double kStep = 1e-4;
   for (const int axis : {0, 1}) {
     PmdModel moved = model;
     move_emitters(moved, axis == 0 ? kStep : 0, axis == 0 ? 0 : kStep);
     const std::array<double, 3>& ray = data.rays[o.pixel];
-    const double distance = distance_of(model, ray, o);
+    const double distance = distance_of(parts, model, ray, o);
     const double change =
         half_path(moved.emitters, ray, distance) - half_path(model.emitters, ray, distance);
     row.by[kEmitterX + axis] = by_path * change / kStep;
   }
+}
+
+double wall_shift_column(const WallData& data, const FitParts& parts, const PmdModel& model,
+                         const Observation& o, double by_path) {
+  constexpr double kStep = 1e-4;
+  const std::array<double, 3>& ray = data.rays[o.pixel];
+  PmdModel moved = model;
+  moved.wall_shift_m += kStep;
+  return by_path / kStep *
+         (half_path(model.emitters, ray, distance_of(parts, moved, ray, o)) -
+          half_path(model.emitters, ray, distance_of(parts, model, ray, o)));
 }
 
 }  // namespace
@@ -73,6 +86,8 @@ bool is_active(const FitParts& parts, int unknown) noexcept {
     case kWallTurnX:
     case kWallTurnY:
       return parts.wall_turn;
+    case kWallShift:
+      return parts.shifted_wall != kNoWall;
     default:
       return parts.wiggling;
   }
@@ -82,7 +97,7 @@ Row row_of(const WallData& data, const FitParts& parts, const PmdModel& model,
            const Observation& o) {
   const double turn = model.scale * model.turn_m;
   const std::array<double, 3>& ray = data.rays[o.pixel];
-  const double path = half_path(model.emitters, ray, distance_of(model, ray, o));
+  const double path = half_path(model.emitters, ray, distance_of(parts, model, ray, o));
   const double phi2 = (path - model.shift_m) / turn;
   const double phi1 = model.wiggling.inverse(phi2);
   const double theta = phi1 + model.offset + model.pattern[o.pixel];
@@ -106,10 +121,13 @@ Row row_of(const WallData& data, const FitParts& parts, const PmdModel& model,
   row.by[kStrayI] = -o.exposure * back.imag() / sigma;
   row.by[kStrayQ] = -o.exposure * back.real() / sigma * (model.phase_falls ? -1 : 1);
   if (parts.emitter) {
-    emitter_columns(data, model, o, gain / turn, row);
+    emitter_columns(data, parts, model, o, gain / turn, row);
   }
   if (parts.wall_turn) {
-    wall_turn_columns(data, model, o, gain / turn, row);
+    wall_turn_columns(data, parts, model, o, gain / turn, row);
+  }
+  if (o.wall == parts.shifted_wall) {
+    row.by[kWallShift] = wall_shift_column(data, parts, model, o, gain / turn);
   }
   for (int h = 0; parts.wiggling && h < kHarmonics; ++h) {
     const std::complex<double> wave = std::polar(1.0, kTurn * (h + 1) * phi1);

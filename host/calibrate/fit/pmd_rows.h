@@ -16,7 +16,8 @@ enum Unknown : int {
   kEmitterY = 5,
   kWallTurnX = 6,
   kWallTurnY = 7,
-  kFirstHarmonic = 8,  // cosine and sine of each
+  kWallShift = 8,
+  kFirstHarmonic = 9,  // cosine and sine of each
   kUnknowns = kFirstHarmonic + 2 * kHarmonics
 };
 using Column = Eigen::Matrix<double, kUnknowns, 1>;

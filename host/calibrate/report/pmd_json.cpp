@@ -59,6 +59,18 @@ ordered_json line_of(const PmdCalibration& calibration) {
           {"chapter_intercept_cm", line.intercept_cm}};
 }
 
+ordered_json wrong_walls_of(const PmdCalibration& calibration) {
+  ordered_json walls = ordered_json::array();
+  for (const WrongWall& wall : calibration.wrong_walls) {
+    walls.push_back({{"name", wall.name},
+                     {"z_m", wall.z_m},
+                     {"likely_m", wall.likely_m},
+                     {"sigma_m", wall.sigma_m},
+                     {"explains", wall.explains}});
+  }
+  return walls;
+}
+
 }  // namespace
 
 std::string report_json(const PmdReport& report, const PmdCalibration& calibration) {
@@ -106,7 +118,8 @@ std::string report_json(const PmdReport& report, const PmdCalibration& calibrati
                           {"noise_measured", calibration.noise_fitted},
                           {"sigma_polynomial_cm", polynomial},
                           {"white_lsb", sensor.white_lsb},
-                          {"misfit", calibration.misfit}};
+                          {"misfit", calibration.misfit},
+                          {"wrong_walls", wrong_walls_of(calibration)}};
   return root.dump(2);
 }
 

@@ -186,6 +186,16 @@ dataset::Loaded<PmdReport> make_report(const WallFolder& folder, Frames fitted,
   return report;
 }
 
+std::string wrong_walls_text(const std::vector<WrongWall>& walls) {
+  std::string text;
+  for (const WrongWall& wall : walls) {
+    text += text.empty() ? "" : ", or else ";
+    text += printed("%s is said to be at %.3f m, the other walls put it at %.3f m (+- %.3f)",
+                    wall.name.c_str(), wall.z_m, wall.likely_m, wall.sigma_m);
+  }
+  return text;
+}
+
 std::string report_text(const PmdReport& report, const PmdCalibration& calibration) {
   const dsp::PmdSensor& sensor = calibration.sensor;
   std::string text;
@@ -213,10 +223,15 @@ std::string report_text(const PmdReport& report, const PmdCalibration& calibrati
   add_noise(calibration, text);
   text +=
       printed("white           a white surface at 1 m has amplitude %.0f LSB\n", sensor.white_lsb);
-  text +=
-      printed("misfit          %.2f standard deviations of %zu readings%s\n", calibration.misfit,
-              calibration.readings,
-              calibration.explains_the_walls() ? "" : ": the model does not explain these walls");
+  text += printed(
+      "misfit          %.2f standard deviations of %zu readings%s\n", calibration.misfit,
+      calibration.readings,
+      calibration.misfit <= kLargestMisfit ? "" : ": the model does not explain these walls");
+  if (!calibration.wrong_walls.empty()) {
+    text += "wrong wall      " + wrong_walls_text(calibration.wrong_walls) +
+            printed("; explains %.0f %% of the misfit\n",
+                    calibration.wrong_walls.front().explains * kPercent);
+  }
   return text;
 }
 

@@ -31,6 +31,8 @@ struct PmdReport {
 dataset::Loaded<PmdReport> make_report(const WallFolder& folder, Frames fitted,
                                        const PmdCalibration& calibration);
 
+// Of walls that the others put elsewhere, without a line's end.
+std::string wrong_walls_text(const std::vector<WrongWall>& walls);
 std::string report_text(const PmdReport& report, const PmdCalibration& calibration);
 
 }  // namespace stof::host

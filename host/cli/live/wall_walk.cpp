@@ -18,6 +18,12 @@ std::optional<double> WallWalk::next() const {
   return std::nullopt;
 }
 
+std::size_t WallWalk::distances() const {
+  std::set<double> all = there_;
+  all.insert(distances_.begin(), distances_.end());
+  return all.size();
+}
+
 std::string WallWalk::kept_text() const {
   return there_.empty()
              ? std::string("no wall was taken")

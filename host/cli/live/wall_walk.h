@@ -19,6 +19,8 @@ class WallWalk {
   void add(double z_m) { there_.insert(z_m); }
   // The first distance of which there is no wall; none: there is one of each.
   std::optional<double> next() const;
+  // At how many distances walls are there in the end.
+  std::size_t distances() const;
   // How many there are, for the line that ends it early.
   std::string kept_text() const;
 

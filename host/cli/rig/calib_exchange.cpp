@@ -34,6 +34,20 @@ dsp::RawPair read_pair_of(const CalibExchangeOptions& options) {
       parse_opencv(texts, sized ? options.size[0] : 0, sized ? options.size[1] : 0));
 }
 
+// Nothing is lost but an older file of this format.
+void need_format_out(const std::filesystem::path& out, const CalibExchangeOptions& options) {
+  const auto has = [](std::string_view bytes, std::string_view word) {
+    return bytes.find(word) != std::string_view::npos;
+  };
+  need_out_of_kind(
+      out, "--out", {options.start}, "file of " + options.format, [&](std::string_view bytes) {
+        if (options.format == "ros") {
+          return has(bytes, "camera_matrix") && has(bytes, "projection_matrix");
+        }
+        return options.format == "kalibr" ? has(bytes, "cam0:") : has(bytes, "opencv-matrix");
+      });
+}
+
 }  // namespace
 
 void calib_import(const CalibExchangeOptions& options) {
@@ -69,13 +83,17 @@ void calib_export(const CalibExchangeOptions& options) {
   std::vector<std::string> files{options.out.string()};
   if (options.format == "ros") {
     need_folder(options.out, "--out");
+    files = {(options.out / "left.yaml").string(), (options.out / "right.yaml").string()};
+    for (const std::string& file : files) {
+      need_format_out(file, options);
+    }
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
-    files = {(options.out / "left.yaml").string(), (options.out / "right.yaml").string()};
     value_or_end(dataset::write_whole(files[0], ros_text(*pair, false)));
     value_or_end(dataset::write_whole(files[1], ros_text(*pair, true)));
   } else {
-    need_other_file(options.out, "--out", {options.start});
+    need_its_folder(options.out, "--out");
+    need_format_out(options.out, options);
     const std::string text =
         options.format == "kalibr" ? value_or_fail(kalibr_text(*pair)) : opencv_text(*pair);
     value_or_end(dataset::write_whole(options.out, text));

@@ -185,7 +185,11 @@ ordered_json check_json(const RigCheck& check) {
   if (check.depths) {
     json["depths"] = {{"points", check.depths->points},
                       {"median_mm", check.depths->median_mm},
-                      {"spread_mm", check.depths->spread_mm}};
+                      {"spread_mm", check.depths->spread_mm},
+                      {"turn_shows_deg", ordered_json::array()}};
+    for (const double degrees : check.depths->turn_shows_deg) {
+      json["depths"]["turn_shows_deg"].push_back(number_or_null(degrees));
+    }
   }
   return json;
 }

@@ -4,6 +4,7 @@
 #include "host/calibrate/rig/live/sighting.h"
 #include "host/cli/failure.h"
 #include "host/cli/json_output.h"
+#include "host/cli/own_keys.h"
 #include "host/cli/rig/live_stereo_json.h"
 #include "host/cli/rig/live_views.h"
 #include "host/cli/stop_signal.h"
@@ -12,8 +13,9 @@
 namespace stof::host {
 namespace {
 
-constexpr std::size_t kToldAtOnce = 2;  // of what is missing
-constexpr std::size_t kMoreViews = 3;   // where the fit finds that some are missing
+constexpr std::size_t kToldAtOnce = 2;  // of what is missing, between begin and end
+constexpr std::size_t kAllOfIt = 99;
+constexpr std::size_t kMoreViews = 3;  // where the fit finds that some are missing
 constexpr std::size_t kMostViews = 80;
 constexpr int kUntold = 20;  // exposures that a lens is waited for
 
@@ -52,7 +54,7 @@ class LiveStereo {
     }
     throw Failure(Exit::kFailure,
                   shots.why() + ": " + kept_text() +
-                      (guide_ ? "; missing: " + missing_text(guide_->wants(), 1) : ""));
+                      (guide_ ? "; missing: " + missing_text(guide_->wants(), kAllOfIt) : ""));
   }
 
  private:
@@ -86,10 +88,11 @@ class LiveStereo {
       for (PairView& view : before.views) {
         guide_->add(sighting_of(std::move(view), target_.board, lens_));
       }
-      tell("missing", printed("views of before: %zu; ", guide_->views().size()) + missing());
+      tell("missing",
+           printed("views of before: %zu; ", guide_->views().size()) + missing(kAllOfIt));
       draw();
     } else {
-      tell("missing", missing());
+      tell("missing", missing(kAllOfIt));
     }
   }
 
@@ -104,13 +107,15 @@ class LiveStereo {
     const bool taken = judgement.verdict == ViewVerdict::kTaken;
     std::string text;
     if (taken) {
-      kept_.write(name, shot);
-      draw();
+      keep(name, shot);
       text = printed("%s: taken (corners moved by %.2f px, edges are %.2f px wide), %zu in all; ",
                      name.c_str(), judgement.motion_px, judgement.blur_px, guide_->views().size()) +
              missing();
     } else {
       text = verdict_text(judgement, guide_->options());
+      const bool elsewhere =
+          judgement.verdict == ViewVerdict::kKnown || judgement.verdict == ViewVerdict::kNeedless;
+      text += elsewhere ? "; " + missing() : std::string();
     }
     if (options_.json) {
       say_json_line(look_json({.shot = shot,
@@ -127,6 +132,15 @@ class LiveStereo {
     return taken;
   }
 
+  void keep(const std::string& name, const RawShot& shot) const {
+    try {
+      kept_.write(name, shot);
+      draw();
+    } catch (const Failure& failure) {
+      throw Failure(failure.code(), std::string(failure.what()) + "; " + kept_text());
+    }
+  }
+
   void tell(const char* state, const std::string& text) const {
     if (options_.json) {
       say_json_line(stage_json(state, text));
@@ -135,13 +149,13 @@ class LiveStereo {
     }
   }
 
-  std::string missing() const {
-    const std::string text = missing_text(guide_->wants(), kToldAtOnce);
+  std::string missing(std::size_t most = kToldAtOnce) const {
+    const std::string text = missing_text(guide_->wants(), most);
     return text.empty() ? "all views are there" : "missing: " + text;
   }
 
   void draw() const {
-    value_or_fail(write_png(
+    value_or_end(write_png(
         kept_.folder() / "coverage.png",
         coverage_picture(guide_->views(), guide_->wants(), lens_.width, lens_.height), {}));
   }

@@ -89,6 +89,20 @@ std::string missing_line(const PlaceViews& views) {
   return missing.empty() ? "all views are there" : "missing: " + missing;
 }
 
+// All of a view that is to be judged, or none. `kept_text` is told where it cannot be written.
+std::filesystem::path stage(const KeptViews& kept, const HeldView& held,
+                            const dsp::PmdSensor& sensor, const std::string& kept_text) {
+  const std::string name = kept.next_name();
+  try {
+    std::filesystem::path staged = kept.stage(name, held.first);
+    write_samples(staged, held.samples, held.first.pmd_after_pair_us, sensor);
+    return staged;
+  } catch (const Failure& failure) {
+    KeptViews::drop(kept.folder() / "staged" / name);
+    throw Failure(failure.code(), std::string(failure.what()) + "; " + kept_text);
+  }
+}
+
 }  // namespace
 
 std::filesystem::path calib_live_walls(const CalibFolderOptions& options,
@@ -123,8 +137,7 @@ std::filesystem::path calib_live_walls(const CalibFolderOptions& options,
       lines.tell(watch.state(), watch.hint());
       continue;
     }
-    const std::filesystem::path staged = kept.stage(kept.next_name(), held->first);
-    write_samples(staged, held->samples, held->first.pmd_after_pair_us, rig.pmd);
+    const std::filesystem::path staged = stage(kept, *held, rig.pmd, kept_text());
     const std::string wrong = views.add(staged.parent_path());
     if (wrong.empty()) {
       kept.keep(staged);

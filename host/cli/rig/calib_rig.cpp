@@ -10,6 +10,7 @@
 #include "host/cli/failure.h"
 #include "host/cli/help_text.h"
 #include "host/cli/json_output.h"
+#include "host/cli/output.h"
 #include "host/cli/own_keys.h"
 
 namespace stof::host {
@@ -265,9 +266,17 @@ void add_target(CLI::App& calib, CalibTargetOptions& options) {
 }  // namespace
 
 void calib_target(const CalibTargetOptions& options) {
-  need_other_file(options.out, "--out", {});
+  const bool pgm = options.out.extension() == ".pgm";
+  if (!pgm && options.out.extension() != ".pdf") {
+    throw Failure(Exit::kBadInput, "--out " + options.out.string() +
+                                       ": is neither .pdf nor .pgm: give a name that ends so");
+  }
+  need_its_folder(options.out, "--out");
+  need_file(options.out, "--out");
+  need_out_of_kind(options.out, "--out", {}, pgm ? "PGM" : "PDF",
+                   [&](std::string_view bytes) { return bytes.starts_with(pgm ? "P5" : "%PDF"); });
   const Board board = value_or_fail(board_named(options.board));
-  if (options.out.extension() == ".pgm") {
+  if (pgm) {
     const std::optional<BoardPicture> made = picture_of(board);
     if (!made) {
       throw Failure(Exit::kBadInput, "board " + options.board +

@@ -57,8 +57,11 @@ void by_target(const CalibStereoOptions& options) {
   const dsp::Calibration start = start_of(options, stored);
   const std::filesystem::path folder =
       options.live.on() ? live_folder(options.live, options.out, ".views") : options.target;
-  const TargetCalibration found =
+  TargetCalibration found =
       options.live.on() ? calib_live_stereo(options, target) : of_folder(options, target);
+  if (std::string note = other_scale(start, found.fit.rig); !note.empty()) {
+    found.notes.push_back(std::move(note));
+  }
   if (!options.json) {
     std::printf("%s", target_text(found).c_str());
   }

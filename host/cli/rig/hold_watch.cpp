@@ -1,5 +1,6 @@
 #include "host/cli/rig/hold_watch.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "host/calibrate/rig/live/picture_motion.h"
@@ -32,7 +33,8 @@ std::optional<HeldView> HoldWatch::add(RawShot shot) {
     return std::nullopt;
   }
   held_->samples.push_back(std::move(shot.pmd));
-  tell(State::kStill, "still: hold on");
+  tell(State::kStill, printed("still: hold on for %zu exposures more",
+                              exposures_ - std::min(exposures_, held_->samples.size())));
   if (held_->samples.size() < exposures_) {
     return std::nullopt;
   }

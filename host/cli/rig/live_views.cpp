@@ -1,12 +1,14 @@
 #include "host/cli/rig/live_views.h"
 
 #include <cmath>
+#include <system_error>
 #include <utility>
 
 #include "dataset/dataset.h"
 #include "dataset/files/file.h"
 #include "host/calibrate/rig/target/pair_folder.h"
 #include "host/cli/failure.h"
+#include "host/cli/own_keys.h"
 #include "host/cli/stop_signal.h"
 #include "host/text/printed.h"
 
@@ -18,6 +20,11 @@ constexpr const char* kStaged = "staged";
 void make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
+  if (error == std::errc::no_space_on_device) {
+    throw Failure(Exit::kFailure, folder.string() +
+                                      ": cannot be made a folder: the disk is full: make room, or "
+                                      "give another disk");
+  }
   if (!std::filesystem::is_directory(folder, error)) {
     throw Failure(Exit::kBadInput, folder.string() +
                                        ": cannot be made a folder: check the path and its "
@@ -27,8 +34,8 @@ void make_folder(const std::filesystem::path& folder) {
 
 std::filesystem::path write_pair(const std::filesystem::path& to, const RawShot& shot) {
   make_folder(to);
-  value_or_fail(dataset::write_pgm8(to / "left.pgm", shot.left));
-  value_or_fail(dataset::write_pgm8(to / "right.pgm", shot.right));
+  value_or_end(dataset::write_pgm8(to / "left.pgm", shot.left));
+  value_or_end(dataset::write_pgm8(to / "right.pgm", shot.right));
   return to;
 }
 
@@ -40,6 +47,7 @@ KeptViews::KeptViews(std::filesystem::path folder, std::string prefix)
   made_ = !std::filesystem::exists(folder_, error);
   make_folder(folder_);
   std::filesystem::remove_all(folder_ / kStaged, error);
+  value_or_fail(pairs_so_far(folder_));
 }
 
 KeptViews::~KeptViews() {
@@ -50,7 +58,7 @@ KeptViews::~KeptViews() {
 }
 
 std::size_t KeptViews::count() const {
-  const dataset::Loaded<std::vector<std::filesystem::path>> pairs = list_pairs(folder_);
+  const dataset::Loaded<std::vector<std::filesystem::path>> pairs = pairs_so_far(folder_);
   return pairs ? pairs->size() : 0;
 }
 
@@ -66,19 +74,26 @@ std::string KeptViews::next_name() const {
 }
 
 std::filesystem::path KeptViews::write(const std::string& name, const RawShot& shot) const {
-  return write_pair(folder_ / name, shot);
+  keep(stage(name, shot));
+  return folder_ / name;
 }
 
 std::filesystem::path KeptViews::stage(const std::string& name, const RawShot& shot) const {
-  return write_pair(folder_ / kStaged / name, shot);
+  const std::filesystem::path staged = folder_ / kStaged / name;
+  try {
+    return write_pair(staged, shot);
+  } catch (const Failure&) {
+    drop(staged);
+    throw;
+  }
 }
 
 void KeptViews::keep(const std::filesystem::path& staged) const {
   std::error_code error;
   std::filesystem::rename(staged, folder_ / staged.filename(), error);
   if (error) {
-    throw Failure(Exit::kBadInput, (folder_ / staged.filename()).string() +
-                                       ": cannot be written: " + error.message());
+    throw Failure(Exit::kFailure, (folder_ / staged.filename()).string() +
+                                      ": cannot be written: " + error.message());
   }
   std::filesystem::remove_all(staged.parent_path(), error);
 }
@@ -97,7 +112,7 @@ void write_samples(const std::filesystem::path& folder,
   recording.fixed_pattern.assign(sensor.fixed_pattern.begin(), sensor.fixed_pattern.end());
   recording.calibration.pmd.fixed_pattern = recording.fixed_pattern;
   recording.after_pair_us = after_pair_us;
-  value_or_fail(dataset::write_pmd(folder / "pmd", recording));
+  value_or_end(dataset::write_pmd(folder / "pmd", recording));
 }
 
 LiveShots::LiveShots(const CalibLiveOptions& options, bool pmd)

@@ -19,7 +19,8 @@ namespace stof::host {
 // A folder of views as the folder forms read it: PREFIX_001, PREFIX_002, ...
 class KeptViews {
  public:
-  // Made where missing; throws Failure. Views that lie in it count.
+  // Made where missing; throws Failure, also where a view in it lacks one of its pictures. Views
+  // that lie in it count.
   KeptViews(std::filesystem::path folder, std::string prefix);
   KeptViews(const KeptViews&) = delete;
   KeptViews& operator=(const KeptViews&) = delete;
@@ -30,7 +31,7 @@ class KeptViews {
   bool empty() const;
   std::size_t count() const;
   std::string next_name() const;  // that is free
-  // left.pgm and right.pgm into the folder of that name; its path. Throws Failure.
+  // left.pgm and right.pgm into the folder of that name, both or none; its path. Throws Failure.
   std::filesystem::path write(const std::string& name, const RawShot& shot) const;
   // The same for a view that is still to be judged: staged().parent_path() holds it alone, until
   // keep() or drop().

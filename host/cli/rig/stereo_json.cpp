@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/calibrate/rig/report/rig_report.h"
 #include "host/calibrate/rig/target/lens_model.h"
 #include "host/cli/json_output.h"
 #include "host/text/printed.h"
@@ -14,10 +15,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// What a good rig stays below: docs/CALIBRATION.md, step 5.
-constexpr double kGoodRowPx = 0.3;
-constexpr double kGoodScale = 0.005;
-constexpr double kGoodCornerPx = 0.3;
 constexpr double kPercents = 100;
 
 ordered_json lens_json(const dsp::Pinhole& lens) {
@@ -49,28 +46,11 @@ ordered_json chapter_json(const PlaneCalibration::Chapter& chapter) {
 
 std::vector<std::string> warnings_of(const TargetCalibration& found) {
   std::vector<std::string> warnings = found.missing;
-  if (found.fit.corner_sigma_px > kGoodCornerPx) {
-    warnings.push_back(
-        printed("corners are off by %.2f px, and good is %.1f or less: the board is not flat, or "
-                "--board is another one",
-                found.fit.corner_sigma_px, kGoodCornerPx));
+  for (std::string& line : notes_of(found)) {
+    warnings.push_back(std::move(line));
   }
   if (!found.judgement) {
     warnings.emplace_back("no view was held out: nobody judges this calibration");
-  } else {
-    if (found.judgement->row_px > kGoodRowPx) {
-      warnings.push_back(
-          printed("rows of both pictures are apart by %.2f px, and good is %.1f or "
-                  "less: take more views, tilted ones above all",
-                  found.judgement->row_px, kGoodRowPx));
-    }
-    if (std::abs(found.judgement->scale_error) > kGoodScale) {
-      warnings.push_back(
-          printed("squares come out %.2f percent too %s, and good is %.1f or less: measure the "
-                  "board along ten squares",
-                  std::abs(found.judgement->scale_error) * kPercents,
-                  found.judgement->scale_error > 0 ? "large" : "small", kGoodScale * kPercents));
-    }
   }
   for (const RefusedView& view : found.refused) {
     warnings.push_back(view.name + " was left out: " + view.why);

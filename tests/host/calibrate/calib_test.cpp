@@ -112,6 +112,31 @@ TEST_F(CalibPmd, WritesNoFileOfAModelThatDoesNotExplainTheWallsUnlessForced) {
   EXPECT_NE(page().find("frames that were not fitted to"), std::string::npos);
 }
 
+// Of a wall that is typed wrong by a few centimetres the wiggling explains most.
+TEST_F(CalibPmd, NamesAWallWhoseDistanceIsMistyped) {
+  const std::vector<double> distances{1, 1.4, 1.8, 2.2, 2.6, 3};
+  put_walls(distances);
+  options_.frames = "even";
+  calib_pmd(options_);
+  ASSERT_TRUE(std::filesystem::exists(options_.out));
+  for (const double wrong : {0.1, -0.1}) {
+    std::filesystem::remove(options_.out);
+    put_walls(distances);
+    WallRecording mistyped = record(camera_, 1.8, 4, 5);
+    mistyped.z_m = 1.8 + wrong;
+    put_wall(options_.folder, mistyped);
+    expect_refused(wrong > 0
+                       ? "no file is written: z1800 is said to be at 1.900 m, the other walls put "
+                         "it at 1.80"
+                       : "no file is written: z1800 is said to be at 1.700 m, the other walls put "
+                         "it at 1.");
+    options_.force = true;
+    calib_pmd(options_);
+    EXPECT_TRUE(std::filesystem::exists(options_.out));
+    options_.force = false;
+  }
+}
+
 TEST_F(CalibPmd, SaysOneDirectionOfThePhase) {
   put_walls({1.5, 2, 2.5, 3});
   options_.json = false;

@@ -91,6 +91,70 @@ class Rectifying {
   std::optional<dsp::Rectifier> rectifier_;
 };
 
+// How far each PMD reading is off what the pair sees there, mm at 2 m; `turn` is the PMD camera's,
+// one reading of `every` is looked at.
+std::vector<double> readings_off(const std::vector<BothLooks>& looks,
+                                 const dsp::Calibration& calibration, const Matrix3& turn,
+                                 std::size_t every) {
+  const Vector3 shift = translation_of(pose_of(calibration.pmd_to_stereo));
+  std::vector<double> off;
+  // Rays nearer than this see the same place, but for edges, which the median leaves out.
+  const double near = 8 / calibration.stereo.left.fx;
+  for (const BothLooks& both : looks) {
+    for (std::size_t n = 0; n < both.pmd.size(); n += every) {
+      const PlaneLook& pmd = both.pmd[n];
+      const Vector3 point = turn * (pmd.ray / pmd.q) + shift;
+      if (!(point.z() > 0)) {
+        continue;
+      }
+      for (const PlaneLook& stereo : both.stereo) {
+        if (std::abs(stereo.ray.x() - point.x() / point.z()) < near &&
+            std::abs(stereo.ray.y() - point.y() / point.z()) < near) {
+          off.push_back((stereo.q - 1 / point.z()) * kAtM * kAtM * kMm);
+          break;
+        }
+      }
+    }
+  }
+  return off;
+}
+
+// DepthCheck::turn_shows_deg of one axis, by turning the camera in the computer.
+double shows_from(const std::vector<BothLooks>& looks, const dsp::Calibration& calibration,
+                  int axis) {
+  constexpr std::array kTurnsDeg{0.25, 0.5, 0.75,           1.0, 1.5, 2.0, 3.0, 4.0,
+                                 6.0,  8.0, kLargestTurnDeg};
+  constexpr std::size_t kEnoughReadings = 600;
+  std::size_t readings = 0;
+  for (const BothLooks& both : looks) {
+    readings += both.pmd.size();
+  }
+  const std::size_t every = readings / kEnoughReadings + 1;
+  const Matrix3 turn = rotation_of(pose_of(calibration.pmd_to_stereo));
+  const auto median_at = [&](double degrees) {
+    const Eigen::AngleAxisd more(degrees / kDegrees, Vector3::Unit(axis));
+    const std::vector<double> off =
+        readings_off(looks, calibration, more.toRotationMatrix() * turn, every);
+    return off.size() >= kFewestPoints ? std::optional(median(off)) : std::nullopt;
+  };
+  const std::optional<double> now = median_at(0);
+  if (!now) {
+    return DepthCheck::kNever;
+  }
+  // What disagrees already may hide as much of a turn.
+  const double least = kLargestDepthMm + std::min(std::abs(*now), kLargestDepthMm);
+  const auto shows = [&](double degrees) {
+    const std::optional<double> then = median_at(degrees);
+    return then && std::abs(*then - *now) > least;
+  };
+  for (const double degrees : kTurnsDeg) {
+    if (shows(degrees) && shows(-degrees)) {
+      return degrees;
+    }
+  }
+  return DepthCheck::kNever;
+}
+
 }  // namespace
 
 std::vector<RowPoint> row_points(const dataset::Image<std::uint8_t>& left,
@@ -161,30 +225,15 @@ std::optional<RowCheck> check_rows(const std::vector<RowPoint>& points, int widt
 std::optional<DepthCheck> check_depths(const std::vector<BothLooks>& looks,
                                        const dsp::Calibration& calibration) {
   const Matrix3 turn = rotation_of(pose_of(calibration.pmd_to_stereo));
-  const Vector3 shift = translation_of(pose_of(calibration.pmd_to_stereo));
-  std::vector<double> off;
-  // Rays nearer than this see the same place, but for edges, which the median leaves out.
-  const double near = 8 / calibration.stereo.left.fx;
-  for (const BothLooks& both : looks) {
-    for (const PlaneLook& pmd : both.pmd) {
-      const Vector3 point = turn * (pmd.ray / pmd.q) + shift;
-      if (!(point.z() > 0)) {
-        continue;
-      }
-      for (const PlaneLook& stereo : both.stereo) {
-        if (std::abs(stereo.ray.x() - point.x() / point.z()) < near &&
-            std::abs(stereo.ray.y() - point.y() / point.z()) < near) {
-          off.push_back((stereo.q - 1 / point.z()) * kAtM * kAtM * kMm);
-          break;
-        }
-      }
-    }
-  }
+  const std::vector<double> off = readings_off(looks, calibration, turn, 1);
   if (off.size() < kFewestPoints) {
     return std::nullopt;
   }
-  DepthCheck check{.points = off.size(), .median_mm = median(off), .spread_mm = 0};
+  DepthCheck check{.points = off.size(), .median_mm = median(off)};
   check.spread_mm = deviation(off, check.median_mm);
+  for (int axis = 0; axis < 3; ++axis) {
+    check.turn_shows_deg[static_cast<std::size_t>(axis)] = shows_from(looks, calibration, axis);
+  }
   return check;
 }
 
@@ -214,14 +263,14 @@ std::vector<std::string> doubts(const RigCheck& check) {
   if (!check.depths) {
     return {"nothing here tells where the PMD camera is"};
   }
-  // On a surface at 45 degrees a turn moves a reading by the turn times its distance.
-  if (check.depths->spread_mm <= kLargestDepthMm) {
-    return {};
-  }
-  return {
-      printed("single readings are %.0f mm apart: a PMD camera that is turned by less than about "
-              "%.1f degrees does not show here (stof calib extrinsics judges its place by walls)",
-              check.depths->spread_mm, check.depths->spread_mm / (kAtM * kMm) * kDegrees)};
+  const auto from = [&](std::size_t axis) {
+    const double degrees = check.depths->turn_shows_deg[axis];
+    return std::isfinite(degrees) ? printed("%.2g degrees", degrees)
+                                  : printed("more than %.0f degrees", kLargestTurnDeg);
+  };
+  return {"a PMD camera that is turned shows here from " + from(0) + " up or down, " + from(1) +
+          " sideways and " + from(2) +
+          " about its axis on (stof calib extrinsics judges its place by walls)"};
 }
 
 dataset::Loaded<RigCheck> check_rig(const std::filesystem::path& dir,

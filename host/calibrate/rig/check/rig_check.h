@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,7 +40,13 @@ struct DepthCheck {
   std::size_t points = 0;
   double median_mm = 0;
   double spread_mm = 0;  // robust standard deviation
+  // From which turn of the PMD camera on, either way about x, y, z of the left camera, the median
+  // would be more than is allowed, degrees; infinite: not up to kLargestTurnDeg.
+  std::array<double, 3> turn_shows_deg{kNever, kNever, kNever};
+
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
 };
+inline constexpr double kLargestTurnDeg = 10;
 std::optional<DepthCheck> check_depths(const std::vector<BothLooks>& looks,
                                        const dsp::Calibration& calibration);
 

@@ -188,7 +188,7 @@ std::string missing_text(const std::vector<ViewWant>& wants, std::size_t most) {
 std::string verdict_text(const ViewJudgement& judgement, const ViewGuideOptions& options) {
   switch (judgement.verdict) {
     case ViewVerdict::kNoBoard:
-      return "no board is seen: hold it before both cameras";
+      return "no board is seen: hold it before both cameras, nearer where it is far";
     case ViewVerdict::kMoving:
       return std::isfinite(judgement.motion_px)
                  ? printed("hold still: corners move by %.1f px, %.1f are allowed",

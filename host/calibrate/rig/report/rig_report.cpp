@@ -1,11 +1,18 @@
 #include "host/calibrate/rig/report/rig_report.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
+
+// What a good rig stays below: docs/CALIBRATION.md, step 5.
+constexpr double kGoodRowPx = 0.3;
+constexpr double kGoodScale = 0.005;
+constexpr double kGoodCornerPx = 0.2;
 
 std::string lens_row(const char* name, const PairFit& fit, std::size_t i) {
   const LensUnknowns left = unknowns_of(fit.rig.left);
@@ -67,6 +74,33 @@ std::string chapter_text(const PlaneCalibration::Chapter& chapter) {
 
 }  // namespace
 
+std::vector<std::string> notes_of(const TargetCalibration& found) {
+  std::vector<std::string> notes;
+  const double off =
+      std::max(found.fit.corner_sigma_px, found.judgement ? found.judgement->reprojection_px : 0.0);
+  if (off > kGoodCornerPx) {
+    notes.push_back(
+        printed("corners are off by %.2f px, and good is %.1f or less: the board is not flat, or "
+                "--board is another one, such as of another gap",
+                off, kGoodCornerPx));
+  }
+  if (found.judgement && found.judgement->row_px > kGoodRowPx) {
+    notes.push_back(
+        printed("rows of both pictures are apart by %.2f px, and good is %.1f or "
+                "less: take more views, tilted ones above all",
+                found.judgement->row_px, kGoodRowPx));
+  }
+  if (found.judgement && std::abs(found.judgement->scale_error) > kGoodScale) {
+    notes.push_back(
+        printed("squares come out %.2f percent too %s, and good is %.1f or less: measure the "
+                "board along ten squares",
+                std::abs(found.judgement->scale_error) * kPercent,
+                found.judgement->scale_error > 0 ? "large" : "small", kGoodScale * kPercent));
+  }
+  notes.insert(notes.end(), found.notes.begin(), found.notes.end());
+  return notes;
+}
+
 std::string target_text(const TargetCalibration& found) {
   const PairFit& fit = found.fit;
   std::string text = printed(
@@ -90,6 +124,9 @@ std::string target_text(const TargetCalibration& found) {
   }
   for (const std::string& line : found.missing) {
     text += "missing: " + line + "\n";
+  }
+  for (const std::string& line : notes_of(found)) {
+    text += "note: " + line + "\n";
   }
   return text;
 }

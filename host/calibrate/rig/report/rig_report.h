@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "host/calibrate/rig/check/rig_check.h"
 #include "host/calibrate/rig/extrinsics/extrinsic_fit.h"
@@ -10,6 +11,9 @@
 
 // What calibrations of a rig came to, as text for people.
 namespace stof::host {
+
+// What speaks against a calibration that is not refused, a line each.
+std::vector<std::string> notes_of(const TargetCalibration& found);
 
 std::string target_text(const TargetCalibration& found);
 std::string planes_text(const PlaneCalibration& found);

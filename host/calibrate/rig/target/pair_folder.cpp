@@ -36,7 +36,7 @@ dataset::Problem halves(std::vector<std::filesystem::path> found) {
 
 }  // namespace
 
-dataset::Loaded<std::vector<std::filesystem::path>> list_pairs(const std::filesystem::path& dir) {
+dataset::Loaded<std::vector<std::filesystem::path>> pairs_so_far(const std::filesystem::path& dir) {
   if (std::optional<dataset::Problem> problem = no_folder(dir)) {
     return std::unexpected(std::move(*problem));
   }
@@ -54,11 +54,16 @@ dataset::Loaded<std::vector<std::filesystem::path>> list_pairs(const std::filesy
   if (!half.empty()) {
     return std::unexpected(halves(std::move(half)));
   }
-  if (found.empty()) {
+  std::ranges::sort(found);
+  return found;
+}
+
+dataset::Loaded<std::vector<std::filesystem::path>> list_pairs(const std::filesystem::path& dir) {
+  dataset::Loaded<std::vector<std::filesystem::path>> found = pairs_so_far(dir);
+  if (found && found->empty()) {
     return dataset::refuse(dir, "holds no folder with left.pgm and right.pgm",
                            "give one with a folder for each view");
   }
-  std::ranges::sort(found);
   return found;
 }
 

@@ -25,7 +25,8 @@ constexpr int kMostOutliers = 3;
 constexpr double kExplains = 20;
 // A focal length that is less certain than this comes from views that are too much alike.
 constexpr double kLargestFocalSigma = 0.005;
-constexpr double kMostCornerPx = 1;          // of a calibration that is one
+constexpr double kMostCornerPx = 1;  // of a calibration that is one
+constexpr double kSameBaselineShare = 0.005;
 constexpr double kMostBaselineShare = 0.05;  // that a rig's baseline differs from what was known
 constexpr std::size_t kMirrorLooks = 3;      // pictures that are looked at
 
@@ -446,6 +447,20 @@ std::string other_rig(const dsp::Calibration& start, const dsp::RawPair& rig) {
         known.baseline_m, baseline);
   }
   return {};
+}
+
+std::string other_scale(const dsp::Calibration& start, const dsp::RawPair& rig) {
+  const double known = start.stereo.baseline_m;
+  const double baseline = with_pair({}, rig).stereo.baseline_m;
+  const double share = known > 0 ? baseline / known - 1 : 0;
+  if (std::abs(share) <= kSameBaselineShare) {
+    return {};
+  }
+  return printed(
+      "the baseline is %.2f mm, %.2f mm in --start, %+.2f percent, and so is all depth: where "
+      "--start was measured, the squares of the board are not as large as --board says: measure "
+      "them along ten squares",
+      baseline * kMm, known * kMm, share * kPercent);
 }
 
 dsp::Calibration with_pair(const dsp::Calibration& start, const dsp::RawPair& rig) {

@@ -62,6 +62,7 @@ struct TargetCalibration {
   std::vector<RefusedView> refused;
   std::vector<std::string> missing;  // views that are: the file is not to be trusted
   std::optional<TargetJudgement> judgement;
+  std::vector<std::string> notes;  // other lines for whoever reads what was found
 };
 
 // Reads a folder of pairs (pair_folder.h) and finds the board in each. One line where nothing can
@@ -83,6 +84,10 @@ dataset::Loaded<TargetCalibration> calibrate_target(TargetViews views, const Tar
 // or the baseline is another one by more than 5 percent, which is what the size of the board's
 // squares comes to. Empty too where `start` has no pair.
 std::string other_rig(const dsp::Calibration& start, const dsp::RawPair& rig);
+
+// Of one rig, yet the baseline is another one by more than 0.5 percent, which nothing but the size
+// of the squares makes: a line that says so, or empty.
+std::string other_scale(const dsp::Calibration& start, const dsp::RawPair& rig);
 
 // How far apart the rows of both eyes' rectified corners are, px.
 std::vector<double> row_errors(const PairView& view, const dsp::RawPair& rig);

@@ -1,6 +1,8 @@
 // Wrong input of `stof calib`: one line, the documented code, and nothing is left. And what it
 // writes that it reads again.
 #include <algorithm>
+#include <cmath>
+#include <fstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -11,6 +13,8 @@
 #include "host/calibrate/rig/check/rig_check.h"
 #include "host/cli/failure.h"
 #include "host/cli/rig/calib_rig.h"
+#include "host/cli/rig/live_views.h"
+#include "host/text/printed.h"
 #include "tests/dataset/scratch.h"
 #include "tests/host/calibrate/rig/board_views.h"
 
@@ -241,16 +245,124 @@ TEST_F(CalibRigInput, TheSheetOfABoardIsToldAsJson) {
   }
 }
 
-TEST(RigCheck, SaysWhatItsReadingsCannotTell) {
+TEST(RigCheck, SaysFromWhichTurnOnThePmdCameraWouldShow) {
   RigCheck check{.rows = RowCheck{.points = 50},
-                 .depths = DepthCheck{.points = 100, .median_mm = 3, .spread_mm = 64}};
+                 .depths = DepthCheck{.points = 100,
+                                      .median_mm = 3,
+                                      .spread_mm = 12,
+                                      .turn_shows_deg = {1.5, 4, DepthCheck::kNever}}};
   ASSERT_EQ(doubts(check).size(), 1U);
-  EXPECT_NE(doubts(check)[0].find("less than about 1.8 degrees"), std::string::npos)
-      << doubts(check)[0];
-  check.depths->spread_mm = 12;
-  EXPECT_TRUE(doubts(check).empty());
+  EXPECT_EQ(doubts(check)[0].substr(0, 131),
+            "a PMD camera that is turned shows here from 1.5 degrees up or down, 4 degrees "
+            "sideways and more than 10 degrees about its axis on (");
   check.depths.reset();
   EXPECT_EQ(doubts(check).size(), 1U);
+}
+
+// Both look at a plane that is tilted about x: what is turned shows where it is said to, and not
+// much before.
+TEST_F(CalibRigInput, ATurnShowsFromWhereItsVerdictChanges) {
+  dsp::Calibration rig = rig_with_pmd();
+  rig.stereo.left.fx = 8000;  // looks of the same place are near each other
+  rig.pmd_to_stereo = transform_of(PoseUnknowns{});
+  BothLooks both;
+  for (int v = -100; v <= 100; ++v) {
+    for (const double x : {-0.2, 0.0, 0.2}) {
+      const Vector3 ray(x, v * 0.002, 1);
+      const double q = 0.5 + 0.9 * ray.y();  // of 1 / z: tilted about x alone
+      both.stereo.push_back({.ray = ray, .q = q});
+      both.pmd.push_back({.ray = ray, .q = q});
+    }
+  }
+  const std::optional<DepthCheck> check = check_depths({both}, rig);
+  ASSERT_TRUE(check);
+  EXPECT_NEAR(check->median_mm, 0, 0.1);
+  const double pitch = check->turn_shows_deg[0];
+  EXPECT_LE(pitch, 1);
+  EXPECT_GT(check->turn_shows_deg[2], pitch);
+  const auto turned = [&](double degrees) {
+    dsp::Calibration off = rig;
+    PoseUnknowns pose{};
+    pose[0] = degrees / kDegrees;
+    off.pmd_to_stereo = transform_of(pose);
+    return std::abs(check_depths({both}, off)->median_mm);
+  };
+  EXPECT_GT(turned(pitch), kLargestDepthMm);
+  EXPECT_LT(turned(pitch / 3), kLargestDepthMm);
+  // Distances that are off already hide as much of it.
+  for (PlaneLook& look : both.pmd) {
+    look.q += 0.007;
+  }
+  EXPECT_GT(check_depths({both}, rig)->turn_shows_deg[0], pitch);
+}
+
+TEST_F(CalibRigInput, AFileThatIsNoneOfTheKindIsNotLostToASheetOrAnExport) {
+  put_true_pair(file("rig.cal"));
+  std::filesystem::create_directories(file("ros"));
+  for (const char* const name : {"diary.pdf", "diary.pgm", "diary.yaml", "ros/right.yaml"}) {
+    std::ofstream(file(name)) << "my diary\n";
+  }
+  const auto target = [&](const char* out) {
+    calib_target({.board = "9x6:0.024", .paper = "a4", .out = file(out), .json = true});
+  };
+  const auto to = [&](const char* format, const char* out) {
+    calib_export({.format = format, .out = file(out), .start = file("rig.cal"), .json = true});
+  };
+  const auto keeps = [&](const char* kind, auto&& work) {
+    const std::string line = refused(Exit::kBadInput, work);
+    EXPECT_NE(line.find(std::string("is there and is no ") + kind), std::string::npos) << line;
+  };
+  keeps("PDF", [&] { target("diary.pdf"); });
+  keeps("PGM", [&] { target("diary.pgm"); });
+  keeps("file of opencv", [&] { to("opencv", "diary.yaml"); });
+  keeps("file of kalibr", [&] { to("kalibr", "diary.yaml"); });
+  keeps("file of ros", [&] { to("ros", "ros"); });
+  EXPECT_FALSE(std::filesystem::exists(file("ros/left.yaml")));
+  for (const char* const name : {"diary.pdf", "diary.pgm", "diary.yaml", "ros/right.yaml"}) {
+    EXPECT_EQ(dataset::read_whole(file(name), 100).value_or(""), "my diary\n") << name;
+  }
+  // An older one of the kind is what it replaces.
+  std::filesystem::remove_all(file("ros"));
+  testing::internal::CaptureStdout();
+  for (int again = 0; again < 2; ++again) {
+    target("board.pdf");
+    target("board.pgm");
+    to("opencv", "opencv.yaml");
+    to("kalibr", "kalibr.yaml");
+    to("ros", "ros");
+  }
+  testing::internal::GetCapturedStdout();
+  EXPECT_NE(
+      refused(Exit::kBadInput, [&] { target("nodir/x.pdf"); }).find("its folder is not there"),
+      std::string::npos);
+  EXPECT_NE(refused(Exit::kBadInput, [&] { target("x.png"); }).find("neither .pdf nor .pgm"),
+            std::string::npos);
+}
+
+TEST_F(CalibRigInput, AHalfViewInTheFolderOfALiveRunIsNamed) {
+  put_pair("view_001", {64, 48, 90}, {64, 48, 90});
+  put_pair("view_002", {64, 48, 90}, {64, 48, 90});
+  std::filesystem::remove(views() / "view_002" / "right.pgm");
+  const std::string line = refused(Exit::kBadInput, [&] { KeptViews(views(), "view"); });
+  EXPECT_NE(line.find("view_002: has no right.pgm: add it, or remove the folder"),
+            std::string::npos)
+      << line;
+  std::filesystem::remove_all(views() / "view_002");
+  EXPECT_EQ(KeptViews(views(), "view").count(), 1U);
+}
+
+TEST_F(CalibRigInput, AViewThatCannotBeWrittenWholeLeavesNothingAndIsNoBadInput) {
+  put_pair("view_001", {64, 48, 90}, {64, 48, 90});
+  const KeptViews kept(views(), "view");
+  RawShot shot{.left = {64, 48, 90}, .right = {64, 48, 90}, .pmd = {}};
+  // A folder stands where the right picture goes.
+  std::filesystem::create_directories(views() / "staged" / "view_002" / "right.pgm");
+  refused(Exit::kFailure, [&] { kept.write("view_002", shot); });
+  EXPECT_FALSE(std::filesystem::exists(views() / "view_002"));
+  EXPECT_EQ(kept.count(), 1U);
+  kept.write("view_002", shot);
+  EXPECT_EQ(kept.count(), 2U);
+  EXPECT_FALSE(std::filesystem::exists(views() / "staged"));
 }
 
 }  // namespace

@@ -214,6 +214,10 @@ class LiveCalibration(unittest.TestCase):
         live = ["--live", sensor, "--timeout", 30, "--distances", "1.6,1.8", "--exposures", 4]
         _, complaint = self.walls(2, "pmd", walls, *live, "--out", camera)
         self.assertIn("give --start with a file of this rig", complaint)
+        few = ["--live", sensor, "--distances", "1,2,1", "--start", camera, "--out", self.out]
+        said, complaint = self.walls(2, "pmd", self.folder / "few", *few, enters=3)
+        self.assertNotIn("press Enter", said)
+        self.assertIn("these are 2 distances: a calibration needs 3 at least", complaint)
         words = ["pmd", walls, *live, "--start", camera, "--out", self.out]
         said, complaint = self.walls(1, *words, enters=0)
         self.assertIn("put the wall at 1.6 m from the PMD camera, facing it, and press Enter\n", said)
@@ -302,6 +306,10 @@ class LiveCalibration(unittest.TestCase):
 
     def test_command_lines_that_mean_nothing(self):
         self.refuse(2, "give one of --target DIR, --live SENSOR and --planes DIR", "127.0.0.1:9", "--target", self.folder)
+        half = self.views / "view_001"
+        half.mkdir(parents=True)
+        (half / "left.pgm").write_bytes(b"P5\n1 1\n255\n\0")
+        self.refuse(2, "view_001: has no right.pgm: add it, or remove the folder", "127.0.0.1:9")
         for command in ("extrinsics", "check"):
             ended = subprocess.run([*COMMAND, "calib", command, self.folder, "--live", "127.0.0.1:9", "--calibration", self.out,
                                     *(["--out", self.out] if command == "extrinsics" else [])], capture_output=True, text=True, check=False)

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/calibrate/rig/report/rig_report.h"
 #include "host/cli/rig/stereo_json.h"
 
 namespace stof::host {
@@ -86,6 +87,18 @@ TEST(LiveStereoJson, EachThingThatIsWrongIsAWarningInWords) {
             std::string::npos);
   EXPECT_EQ(json["warnings"][4], "view_003 was left out: it is blurred");
   found = good();
+  found.judgement->reprojection_px = 0.53;
+  found.notes = {"the baseline is another one"};
+  const Json off = result_json(found);
+  ASSERT_EQ(off["warnings"].size(), 2U);
+  EXPECT_NE(off["warnings"][0].get<std::string>().find("off by 0.53 px"), std::string::npos);
+  EXPECT_EQ(off["warnings"][1], "the baseline is another one");
+  // People read the same.
+  const std::string text = target_text(found);
+  EXPECT_NE(text.find("note: corners are off by 0.53 px"), std::string::npos) << text;
+  EXPECT_NE(text.find("note: the baseline is another one\n"), std::string::npos) << text;
+  found = good();
+  EXPECT_EQ(target_text(found).find("note: "), std::string::npos);
   found.judgement.reset();
   const Json unjudged = result_json(found);
   EXPECT_TRUE(unjudged["held_out"].is_null());
