@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kFewestForStray = 4;
 constexpr std::size_t kEnoughPixels = 4096;
-constexpr std::size_t kEnoughForAWall = 512;
+constexpr std::size_t kEnoughForAWall = 64;
 // A constant is kept when it explains this share of the misfit, and is this many times its
 // standard deviation. Millions of samples make anything significant; below these shares it is the
 // model's own error that is explained.
@@ -260,7 +260,7 @@ class Steps {
   }
 
   // A wall whose distance is mistyped is explained by the wiggling, at the price of all walls. So
-  // each in turn may stand elsewhere: of a wrong one that explains much. Some hundred pixels tell.
+  // each in turn may stand elsewhere: of a wrong one that explains much. Some dozen pixels tell.
   void judge_walls() {
     WallData& data = out_.data;
     const int every = data.every;
