@@ -170,7 +170,8 @@ void HealthMonitor::change(Entry& entry, bool active, std::uint32_t value, hal::
   entry.value = value;
   entry.at = now;
   entry.count += active ? 1U : 0U;
-  entry.sequence = ++sequence_;
+  sequence_ = sequence_ == ~0U ? 1 : sequence_ + 1;
+  entry.sequence = sequence_;
   entry.changed = true;
   entry.again = false;
   changed_ = true;
@@ -338,7 +339,8 @@ std::optional<wire::HealthReport> HealthMonitor::next_health(const Counters& cou
       .control = control.requests,
       .serial_sent = control.serial_sent,
       .serial_dropped = control.serial_dropped,
-      .serial_refused = control.serial_refused};
+      .serial_refused = control.serial_refused,
+      .events = sequence_};
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     if (entries_[i].active) {
       const wire::ConditionInfo* const info = wire::info_of(static_cast<wire::Condition>(i));

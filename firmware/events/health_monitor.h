@@ -121,7 +121,7 @@ class HealthMonitor {
 
   hal::Time start_;
   std::array<Entry, wire::kConditions> entries_{};
-  std::uint32_t sequence_ = 0;
+  std::uint32_t sequence_ = 1;  // of the newest event; health has it, where 0 is none
   bool changed_ = true;
   // Changes of a condition that has changed again since; what does not fit is missing in the
   // sequence.

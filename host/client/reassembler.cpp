@@ -378,8 +378,7 @@ void Reassembler::close(FrameSlot& slot) {
     return;
   }
   pace_.note(slot.last_packet(), slot.made_with());
-  messages_.note_frame(slot.made_with(), slot.depth_size(), slot.stamp().health,
-                       slot.last_packet());
+  messages_.note_frame(slot.made_with(), slot.depth_size(), slot.last_packet());
   if (comes_late(slot)) {
     ++late_frames_;
     drop(slot, &Statistics::frames_old);

@@ -815,6 +815,9 @@ class HealthReport(Layout):
     serial_sent: int = 0  # frames and messages on the serial line
     serial_dropped: int = 0  # of these, not sent: the line was busy
     serial_refused: int = 0  # frames and messages from the serial line that were damaged or unknown
+    # sequence of the newest event, which made these conditions active; 1: there was none yet; 0:
+    # not told
+    events: int = 0
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("uptime_ms", "Q", 1),
@@ -833,6 +836,7 @@ class HealthReport(Layout):
         ("serial_sent", "Q", 1),
         ("serial_dropped", "Q", 1),
         ("serial_refused", "Q", 1),
+        ("events", "I", 1),
     )
 
 
@@ -840,7 +844,7 @@ class HealthReport(Layout):
 class EventReport(Layout):
     """Type 67."""
 
-    sequence: int = 0  # advances with each change; the repetition has the same
+    sequence: int = 0  # advances with each change, the first is 2; the repetition has the same
     condition: int = 0  # Condition: see "Events"
     severity: int = 0  # Severity: of it
     reaction: int = 0  # Reaction: what the robot should do while it is active

@@ -353,7 +353,7 @@ layouts.calibration = {
 
 layouts.health = {
   message = "health",
-  bytes = 232,
+  bytes = 236,
   mask = 8,
   mask_names = "Condition",
   {name = "uptime_ms", size = 8, count = 1, kind = "uint64", title = "Uptime ms", base = base.DEC, doc = "since the sender's start, ms"},
@@ -372,12 +372,13 @@ layouts.health = {
   {name = "serial_sent", size = 8, count = 1, kind = "uint64", title = "Serial sent", base = base.DEC, doc = "frames and messages on the serial line"},
   {name = "serial_dropped", size = 8, count = 1, kind = "uint64", title = "Serial dropped", base = base.DEC, doc = "of these, not sent: the line was busy"},
   {name = "serial_refused", size = 8, count = 1, kind = "uint64", title = "Serial refused", base = base.DEC, doc = "frames and messages from the serial line that were damaged or unknown"},
+  {name = "events", size = 4, count = 1, kind = "uint32", title = "Events", base = base.DEC, doc = "sequence of the newest event, which made these conditions active; 1: there was none yet; 0: not told"},
 }
 
 layouts.event = {
   message = "event",
   bytes = 28,
-  {name = "sequence", size = 4, count = 1, kind = "uint32", title = "Sequence", base = base.DEC, doc = "advances with each change; the repetition has the same"},
+  {name = "sequence", size = 4, count = 1, kind = "uint32", title = "Sequence", base = base.DEC, doc = "advances with each change, the first is 2; the repetition has the same"},
   {name = "condition", size = 1, count = 1, kind = "uint8", title = "Condition", base = base.DEC, names = "Condition", doc = "see \"Events\""},
   {name = "severity", size = 1, count = 1, kind = "uint8", title = "Severity", base = base.DEC, names = "Severity", doc = "of it"},
   {name = "reaction", size = 1, count = 1, kind = "uint8", title = "Reaction", base = base.DEC, names = "Reaction", doc = "what the robot should do while it is active"},

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "firmware/wire/messages/conditions.h"
+#include "host/client/frame/frame_slot.h"
+
 namespace stof::client {
 namespace {
 
@@ -14,9 +17,8 @@ constexpr Duration kPeriod = std::chrono::milliseconds(1200);
 constexpr Duration kFlaps = std::chrono::milliseconds(2500);
 // Networks do not turn round packets that were sent farther apart.
 constexpr Duration kTurnedRound = std::chrono::milliseconds(250);
-// Where what heals is lost or late, a report is worse than the frames behind it; hardly ever three.
-constexpr Duration kRefutalWindow = std::chrono::seconds(8);
-constexpr int kMostRefutals = 2;
+// Nor an event and what is sent half a second later.
+constexpr Duration kEventHolds = 2 * kTurnedRound;
 
 // Whether an uptime follows one that was told at `then`.
 bool follows(std::uint64_t uptime_ms, std::uint64_t before_ms, Time then, Time now) noexcept {
@@ -25,21 +27,26 @@ bool follows(std::uint64_t uptime_ms, std::uint64_t before_ms, Time then, Time n
   return uptime_ms >= before_ms && uptime_ms - before_ms <= most + kUptimeSlackMs;
 }
 
-// What a frame says of a sensor that reports this.
-wire::Health summary(const wire::HealthReport& report) noexcept {
-  switch (report.severity) {
-    case wire::Severity::kCritical:
-      return wire::Health::kFault;
-    case wire::Severity::kInfo:
-      return wire::Health::kOk;
-    default:
-      return wire::Health::kDegraded;
-  }
-}
-
 bool better(const wire::HealthReport& one, const wire::HealthReport& other) noexcept {
   return one.reaction != other.reaction ? one.reaction < other.reaction
                                         : one.severity < other.severity;
+}
+
+bool same_state(const wire::HealthReport& one, const wire::HealthReport& other) noexcept {
+  return one.active == other.active && one.severity == other.severity &&
+         one.reaction == other.reaction;
+}
+
+// Whether no sensor says both. Two of one millisecond have any order.
+bool contradict(const wire::HealthReport& one, const wire::HealthReport& other) noexcept {
+  if (one.events == other.events) {
+    return one.events != 0 && !same_state(one, other);
+  }
+  if (one.events == 0 || other.events == 0) {
+    return true;
+  }
+  const bool newer = number_distance(one.events, other.events) > 0;
+  return one.uptime_ms != other.uptime_ms && newer != (one.uptime_ms > other.uptime_ms);
 }
 
 }  // namespace
@@ -49,19 +56,21 @@ HealthBook::Verdict HealthBook::take_signed(const wire::HealthReport& report,
   if (current_ && report.uptime_ms < newest_.uptime_ms) {
     return Verdict::kLate;
   }
-  newest_ = {.uptime_ms = report.uptime_ms, .at = arrived};
+  newest_ = report;
+  newest_at_ = arrived;
   show(report, arrived);
   return Verdict::kTaken;
 }
 
 HealthBook::Verdict HealthBook::take(const wire::HealthReport& report, Time arrived) {
-  hold_against_frames(report, arrived);
+  hold_against_known(report, arrived);
   if (current_ && !believes_uptime(report.uptime_ms, arrived)) {
     const bool late = report.uptime_ms < newest_.uptime_ms;
     refused_ = Said{.uptime_ms = report.uptime_ms, .at = arrived};
     return late ? take_late(report, arrived) : Verdict::kImplausible;
   }
-  newest_ = {.uptime_ms = report.uptime_ms, .at = arrived};
+  newest_ = report;
+  newest_at_ = arrived;
   refused_.reset();
   if (current_ && better(report, *current_)) {
     const bool flaps = bettered_at_ && arrived - *bettered_at_ < kFlaps;
@@ -78,7 +87,7 @@ HealthBook::Verdict HealthBook::take_late(const wire::HealthReport& report, Time
   constexpr std::uint64_t kMostMs = 10'000;  // more is no more wrong
   const Duration behind =
       std::chrono::milliseconds(std::min(newest_.uptime_ms - report.uptime_ms, kMostMs));
-  const bool two_speak = behind + (arrived - newest_.at) >= kTurnedRound;
+  const bool two_speak = behind + (arrived - newest_at_) >= kTurnedRound;
   lies_ += two_speak ? 1U : 0U;
   as_bad_at_ = better(report, *current_) ? as_bad_at_ : arrived;
   if (better(*current_, report) || (two_speak && !better(report, *current_))) {
@@ -88,45 +97,42 @@ HealthBook::Verdict HealthBook::take_late(const wire::HealthReport& report, Time
 }
 
 bool HealthBook::believes_uptime(std::uint64_t uptime_ms, Time arrived) const noexcept {
-  if (follows(uptime_ms, newest_.uptime_ms, newest_.at, arrived)) {
+  if (follows(uptime_ms, newest_.uptime_ms, newest_at_, arrived)) {
     return true;
   }
-  return arrived - newest_.at >= kSilence && refused_ && uptime_ms > refused_->uptime_ms &&
+  return arrived - newest_at_ >= kSilence && refused_ && uptime_ms > refused_->uptime_ms &&
          follows(uptime_ms, refused_->uptime_ms, refused_->at, arrived);
 }
 
-void HealthBook::hold_against_frames(const wire::HealthReport& report, Time arrived) noexcept {
-  if (!refuted_ || summary(report) == wire::Health::kOk) {
-    return;
+void HealthBook::hold_against_known(const wire::HealthReport& report, Time arrived) noexcept {
+  const bool contradicts_report = current_ && contradict(report, newest_);
+  if (contradicts_event(report, arrived)) {
+    ++lies_;
+    event_.reset();  // told: nobody knows whose it is
+  } else {
+    lies_ += contradicts_report ? 1U : 0U;
   }
-  refuted_ = false;
-  if (!first_refuted_at_ || arrived - *first_refuted_at_ > kRefutalWindow) {
-    first_refuted_at_ = arrived;
-    refutals_ = 0;
-  }
-  lies_ += ++refutals_ > kMostRefutals ? 1U : 0U;
 }
 
-void HealthBook::note_frame(wire::Health health, Time arrived) noexcept {
-  const wire::Health said = current_ ? summary(*current_) : wire::Health::kOk;
-  if (said == wire::Health::kOk) {
-    return;
+bool HealthBook::contradicts_event(const wire::HealthReport& report, Time arrived) const noexcept {
+  if (!event_ || report.events == 0) {
+    return false;
   }
-  if (health >= said) {
-    better_since_.reset();
-    refuted_ = false;
-    refutals_ = 0;
-  } else if (arrived - as_bad_since_ >= kTurnedRound) {
-    better_since_ = better_since_.value_or(arrived);
-    refuted_ = arrived - *better_since_ >= kTurnedRound;
+  const wire::EventReport& event = event_->event;
+  if (report.events == event.sequence) {
+    return event.condition < wire::kConditions &&
+           ((report.active >> event.condition) & 1U) != event.active;
+  }
+  return number_distance(report.events, event.sequence) < 0 && arrived - event_->at >= kEventHolds;
+}
+
+void HealthBook::note_event(const wire::EventReport& event, Time arrived) noexcept {
+  if (!event_ || number_distance(event.sequence, event_->event.sequence) > 0) {
+    event_ = {.event = event, .at = arrived};
   }
 }
 
 void HealthBook::show(const wire::HealthReport& report, Time arrived) noexcept {
-  if (!current_ || summary(report) > summary(*current_)) {
-    as_bad_since_ = arrived;
-    better_since_.reset();
-  }
   as_bad_at_ = arrived;
   current_ = report;
   current_at_ = arrived;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 #include "host/client/frame/frame.h"
 
@@ -16,9 +17,11 @@ namespace stof::client {
 //    turn packets round is told (lies()), and believed where it is as bad as what is known.
 //  - His uptime fits. What gets better a second time within 2.5 seconds is believed only when
 //    nothing as bad came for 1.2 seconds: a sensor says something once a second.
-// So he costs a second. What gets worse is believed at once, however late, and whoever says it; he
-// may say it while all is well. Frames tell how the sensor is, too: where reports are worse than
-// the frames behind them, again and again, two speak.
+// So he costs a second. What gets worse is believed at once, however late, and whoever says it.
+// Whatever he says, the sensor's next report tells it: each change of the conditions is an event,
+// and a report names the newest one. So what is active with one event is no other thing in another
+// report, a later report names no earlier event, and none names one that came long before the
+// event that is known.
 // No clock: times are the caller's, and never go back.
 class HealthBook {
  public:
@@ -31,8 +34,8 @@ class HealthBook {
   Verdict take(const wire::HealthReport& report, Time arrived);
   // One that the sensor has signed for this receiver: its uptime alone counts.
   Verdict take_signed(const wire::HealthReport& report, Time arrived) noexcept;
-  // What a frame said of the sensor, whose last packet arrived then.
-  void note_frame(wire::Health health, Time arrived) noexcept;
+  // One that came in the session's name: the first of each sequence.
+  void note_event(const wire::EventReport& event, Time arrived) noexcept;
   // A session begins; lies() goes on.
   void restart() noexcept;
 
@@ -46,23 +49,25 @@ class HealthBook {
     std::uint64_t uptime_ms = 0;
     Time at{};
   };
+  struct Heard {
+    wire::EventReport event{};
+    Time at{};
+  };
 
   Verdict take_late(const wire::HealthReport& report, Time arrived);
-  void hold_against_frames(const wire::HealthReport& report, Time arrived) noexcept;
+  void hold_against_known(const wire::HealthReport& report, Time arrived) noexcept;
+  bool contradicts_event(const wire::HealthReport& report, Time arrived) const noexcept;
   bool believes_uptime(std::uint64_t uptime_ms, Time arrived) const noexcept;
   void show(const wire::HealthReport& report, Time arrived) noexcept;
 
   std::optional<wire::HealthReport> current_;
   Time current_at_{};
-  Said newest_;                       // by its uptime; only where there is a current one
-  std::optional<Said> refused_;       // the last one that was not taken
-  std::optional<Time> bettered_at_;   // that it got better, or would have
-  Time as_bad_since_{};               // as the current one
-  Time as_bad_at_{};                  // the newest one, also of those that are late
-  std::optional<Time> better_since_;  // that frames are, of those behind as_bad_since_
-  bool refuted_ = false;  // the newest bad one: frames were better for longer than packets are late
-  std::optional<Time> first_refuted_at_;  // of those that are counted
-  int refutals_ = 0;
+  wire::HealthReport newest_{};  // by its uptime; only where there is a current one
+  Time newest_at_{};
+  std::optional<Heard> event_;       // the newest
+  std::optional<Said> refused_;      // the last one that was not taken
+  std::optional<Time> bettered_at_;  // that it got better, or would have
+  Time as_bad_at_{};  // the newest one as bad as the current one, also one that is late
   std::uint64_t lies_ = 0;
 };
 

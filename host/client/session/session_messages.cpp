@@ -93,8 +93,7 @@ MessageOutcome SessionMessages::push_calibration(const wire::PacketView& packet,
 }
 
 void SessionMessages::note_frame(const std::optional<MadeWith>& made, ImageSize depth,
-                                 wire::Health health, Time arrived) noexcept {
-  health_.note_frame(health, arrived);
+                                 Time arrived) noexcept {
   if (!made) {
     return;
   }
@@ -169,6 +168,8 @@ MessageOutcome SessionMessages::push_event(const wire::PacketView& packet, Time 
       return MessageOutcome::kTaken;
     }
     ++lies_;  // one of the two is somebody else's: whoever takes them gets both
+  } else {
+    health_.note_event(*event, arrived);
   }
   known = *event;
   if (ahead > 0) {

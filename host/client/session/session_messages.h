@@ -49,8 +49,7 @@ class SessionMessages {
   // A frame was closed, of which the last packet arrived then. A calibration that changes twice,
   // though no frame was made with other settings or another calibration meanwhile, was not always
   // the sensor's.
-  void note_frame(const std::optional<MadeWith>& made, ImageSize depth, wire::Health health,
-                  Time arrived) noexcept;
+  void note_frame(const std::optional<MadeWith>& made, ImageSize depth, Time arrived) noexcept;
   // Such changes, events that contradict each other, and HealthBook::lies(), over all sessions.
   std::uint64_t lies() const noexcept { return lies_ + health_.lies(); }
   // is_signed: by the sensor, for this receiver.

@@ -1,6 +1,7 @@
 #include "firmware/events/health_monitor.h"
 
 #include <chrono>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -50,6 +51,27 @@ TEST(HealthMonitor, TellsEachChangeAtOnceAndOnceMoreASecondLater) {
   EXPECT_EQ(ended[0].active, 0);
   EXPECT_EQ(ended[0].count, 1U);
   EXPECT_GT(ended[0].sequence, first[0].sequence);
+}
+
+// What is active changes with an event alone, so that nobody says anything else of it unnoticed.
+TEST(HealthMonitor, HealthNamesTheEventThatMadeItSo) {
+  HealthMonitor monitor(at(0s));
+  const auto health = [&](hal::Duration now) {
+    return monitor.next_health({}, {}, true, at(now)).value();
+  };
+  const std::uint32_t none = health(0s).events;
+  EXPECT_EQ(none, 1U);
+  EXPECT_EQ(health(1s).events, none);
+  for (const auto& [kind, camera] : {std::pair(EventKind::kLost, Component::kPmd),
+                                     std::pair(EventKind::kLost, Component::kTrigger),
+                                     std::pair(EventKind::kBack, Component::kPmd)}) {
+    monitor.observe(happened(kind, camera, 2s));
+    const wire::HealthReport told = health(2s);
+    const auto sent = events(monitor, 2s);
+    ASSERT_EQ(sent.size(), 1U);
+    EXPECT_EQ(told.events, sent[0].sequence);
+    EXPECT_EQ((told.active >> sent[0].condition) & 1U, sent[0].active);
+  }
 }
 
 TEST(HealthMonitor, AConditionThatGoesOnIsNoNews) {

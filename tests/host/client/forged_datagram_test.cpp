@@ -46,9 +46,10 @@ class Forged : public testing::Test {
     reassembler_.push(test::datagrams(frame).front(), now_);
     return reassembler_.take(now_).has_value();
   }
-  void health(std::uint64_t uptime_ms, std::uint32_t active) {
+  void health(std::uint64_t uptime_ms, std::uint32_t active, std::uint32_t events = 0) {
     std::array<std::byte, wire::kHealthReportBytes> payload{};
-    wire::encode_health_report({.uptime_ms = uptime_ms, .active = active}, payload);
+    wire::encode_health_report({.uptime_ms = uptime_ms, .active = active, .events = events},
+                               payload);
     reassembler_.push(
         test::report_datagram(spec(number_, number_), wire::PacketType::kHealth, payload), now_);
   }
@@ -347,6 +348,16 @@ TEST_F(Forged, AnEventThatContradictsAnotherOneHidesNoneAndIsTold) {
   EXPECT_TRUE(event(10, 1));
   EXPECT_EQ(reassembler_.forgeries(), 1U);
   EXPECT_FALSE(event(10, 1));
+  EXPECT_EQ(reassembler_.forgeries(), 1U);
+}
+
+TEST_F(Forged, AnEventThatTheSensorsHealthDoesNotKnowIsTold) {
+  health(1000, 1, 10);
+  EXPECT_TRUE(event(10, 1));
+  EXPECT_TRUE(event(11, 0));  // it is over, somebody says
+  EXPECT_EQ(reassembler_.forgeries(), 0U);
+  now_ += seconds(1);
+  health(2000, 1, 10);
   EXPECT_EQ(reassembler_.forgeries(), 1U);
 }
 
