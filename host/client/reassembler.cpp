@@ -305,11 +305,12 @@ void Reassembler::refuse_closed(const wire::PacketView& packet) {
   if (frame == nullptr) {
     pace_.interrupt();
   }
-  const std::size_t index = packet.header.index;
-  if (frame == nullptr || !frame->packets.has(index)) {
-    ++statistics_.late;
+  const bool known = frame != nullptr && frame->packets.has(packet.header.index);
+  if (sequence_.contradicts(packet) ||
+      (known && frame->packets.differs(packet.header.index, packet))) {
+    count(Placed::kContradicting);
   } else {
-    count(frame->packets.differs(index, packet) ? Placed::kContradicting : Placed::kDuplicate);
+    ++(known ? statistics_.duplicate : statistics_.late);
   }
 }
 
@@ -365,12 +366,12 @@ void Reassembler::close(FrameSlot& slot) {
   const std::uint32_t number = slot.number();
   statistics_.frames_lost += sequence_.close(number);
   statistics_.packets_missing += slot.missing_packets();
-  Closed& closed = closed_[closed_count_++ % kClosed];
-  closed = {.number = number,
-            .packets = slot.packets(),
-            .parity = slot.parity_packets(),
-            .parity_groups = wire::parity_groups(slot.count()),
-            .whole = slot.complete()};
+  sequence_.remember(slot.packets().mark(number));
+  closed_[closed_count_++ % kClosed] = {.number = number,
+                                        .packets = slot.packets(),
+                                        .parity = slot.parity_packets(),
+                                        .parity_groups = wire::parity_groups(slot.count()),
+                                        .whole = slot.complete()};
 
   if (!sequence_.advance(slot.freshness(), slot.last_packet())) {
     pace_.interrupt();

@@ -5,7 +5,18 @@ namespace {
 
 constexpr std::size_t kWordBits = 64;
 
+// What parity made lacks what a newer sender may write into its headers.
+bool is_of(std::uint32_t crc, const wire::PacketView& packet) noexcept {
+  return crc == packet.crc || crc == wire::plain_crc(packet);
+}
+
 }  // namespace
+
+bool PacketMark::contradicts(const wire::PacketView& packet) const noexcept {
+  const wire::Header& header = packet.header;
+  return count != 0 && header.frame.number == number &&
+         (header.count != count || (header.index == index && !is_of(crc, packet)));
+}
 
 void PacketSet::begin(std::size_t count) {
   words_.assign((count + kWordBits - 1) / kWordBits, 0);
@@ -22,9 +33,22 @@ void PacketSet::insert(std::size_t index, const wire::PacketView& packet) noexce
   crcs_[index] = packet.crc != 0 ? packet.crc : wire::plain_crc(packet);
 }
 
-// What parity made lacks what a newer sender may write into its headers.
 bool PacketSet::differs(std::size_t index, const wire::PacketView& packet) const noexcept {
-  return has(index) && crcs_[index] != packet.crc && crcs_[index] != wire::plain_crc(packet);
+  return has(index) && !is_of(crcs_[index], packet);
+}
+
+PacketMark PacketSet::mark(std::uint32_t number) const noexcept {
+  const std::size_t count = crcs_.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t index = (number + k) % count;
+    if (has(index)) {
+      return {.number = number,
+              .count = static_cast<std::uint16_t>(count),
+              .index = static_cast<std::uint16_t>(index),
+              .crc = crcs_[index]};
+    }
+  }
+  return {};
 }
 
 void FrameSlot::begin(const wire::Header& header, bool parity, Time now) {

@@ -20,6 +20,17 @@ constexpr std::int32_t number_distance(std::uint32_t a, std::uint32_t b) noexcep
   return static_cast<std::int32_t>(a - b);
 }
 
+// One packet of a frame, by which its sender is known again: the network repeats it bit for bit.
+struct PacketMark {
+  std::uint32_t number = 0;  // of the frame
+  std::uint16_t count = 0;   // of its packets; 0: nothing is known of any
+  std::uint16_t index = 0;
+  std::uint32_t crc = 0;
+
+  // Whether this one comes under the frame's number, and is another sender's.
+  bool contradicts(const wire::PacketView& packet) const noexcept;
+};
+
 // Which packets of a frame arrived.
 class PacketSet {
  public:
@@ -29,6 +40,8 @@ class PacketSet {
   void insert(std::size_t index, const wire::PacketView& packet) noexcept;
   // Whether that one has other bytes: networks repeat exactly, so two have sent it.
   bool differs(std::size_t index, const wire::PacketView& packet) const noexcept;
+  // Of the frame of this number: one of these, in each frame another one.
+  PacketMark mark(std::uint32_t number) const noexcept;
 
  private:
   std::vector<std::uint64_t> words_;

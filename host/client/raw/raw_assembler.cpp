@@ -53,39 +53,55 @@ RawOutcome RawAssembler::push(const wire::PacketView& packet, Time arrived) {
   if (tile && std::size_t{header.image_width} * header.image_height > most_pixels_) {
     return RawOutcome::kOversized;
   }
-  Slot* const slot = slot_of(header, arrived);
-  if (slot == nullptr) {
-    return RawOutcome::kLate;
-  }
-  if (slot->header.count != header.count) {
+  if (contradicts(packet)) {
+    ++lies_;
     return RawOutcome::kContradicting;
   }
-  if (slot->packets.has(header.index)) {
+  if (is_over(header.frame)) {
+    return RawOutcome::kLate;
+  }
+  Slot& slot = slot_of(header, arrived);
+  if (slot.packets.has(header.index)) {
     return RawOutcome::kDuplicate;
   }
-  const RawOutcome placed = place(*slot, packet);
+  const RawOutcome placed = place(slot, packet);
   if (placed != RawOutcome::kTaken) {
+    ++lies_;
     return placed;
   }
-  slot->packets.insert(header.index, packet);
-  slot->last = arrived;
-  if (++slot->arrived == header.count) {
-    finish_up_to(slot->order);
+  slot.packets.insert(header.index, packet);
+  slot.last = arrived;
+  if (++slot.arrived == header.count) {
+    finish_up_to(slot.order);
   }
   return RawOutcome::kTaken;
 }
 
-// nullptr: it is over.
-RawAssembler::Slot* RawAssembler::slot_of(const wire::Header& header, Time arrived) {
-  for (Slot& slot : slots_) {
-    if (slot.state == State::kOpen && same_exposure(slot.header.frame, header.frame)) {
-      return &slot;
+bool RawAssembler::is_over(const wire::FrameStamp& stamp) const noexcept {
+  return std::ranges::any_of(
+      closed_, [&](const Closed& closed) { return same_exposure(closed.stamp, stamp); });
+}
+
+// Freshness is the exposure's id.
+bool RawAssembler::contradicts(const wire::PacketView& packet) const noexcept {
+  const wire::Header& header = packet.header;
+  for (const Slot& slot : slots_) {
+    if (slot.state == State::kOpen && slot.header.frame.freshness == header.frame.freshness) {
+      return !same_exposure(slot.header.frame, header.frame) || slot.header.count != header.count ||
+             slot.packets.differs(header.index, packet);
     }
   }
-  const std::size_t closed = std::min(closed_count_, kClosed);
-  for (std::size_t i = 0; i < closed; ++i) {
-    if (same_exposure(closed_[i], header.frame)) {
-      return nullptr;
+  const auto closed = std::ranges::find(closed_, header.frame.freshness,
+                                        [](const Closed& one) { return one.stamp.freshness; });
+  return closed != closed_.end() &&
+         (!same_exposure(closed->stamp, header.frame) || closed->mark.contradicts(packet));
+}
+
+// Begun when it is the first of its exposure.
+RawAssembler::Slot& RawAssembler::slot_of(const wire::Header& header, Time arrived) {
+  for (Slot& slot : slots_) {
+    if (slot.state == State::kOpen && same_exposure(slot.header.frame, header.frame)) {
+      return slot;
     }
   }
   const auto open = std::ranges::count(slots_, State::kOpen, &Slot::state);
@@ -107,7 +123,7 @@ RawAssembler::Slot* RawAssembler::slot_of(const wire::Header& header, Time arriv
     picture.begin();
   }
   free->last = arrived;
-  return free;
+  return *free;
 }
 
 RawOutcome RawAssembler::place(Slot& slot, const wire::PacketView& packet) {
@@ -144,7 +160,9 @@ void RawAssembler::finish_up_to(std::uint64_t order) {
 
 // In the order of beginning.
 void RawAssembler::finish(Slot& slot) {
-  closed_[closed_count_++ % kClosed] = slot.header.frame;
+  closed_.resize(std::min(closed_count_ + 1, kClosed));
+  closed_[closed_count_++ % kClosed] = {.stamp = slot.header.frame,
+                                        .mark = slot.packets.mark(slot.header.frame.number)};
   if (!slot.info) {  // counted with the next one
     slot.state = State::kFree;
     return;
@@ -188,6 +206,7 @@ void RawAssembler::restart() {
       slot.state = State::kFree;
     }
   }
+  closed_.clear();
   closed_count_ = 0;
   number_ = 0;
   dropped_ = 0;

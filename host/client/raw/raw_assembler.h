@@ -19,7 +19,7 @@ enum class RawOutcome : std::uint8_t {
   kTaken,
   kUnknown,  // a stream or codec of a newer sensor, or nobody asked for it
   kDuplicate,
-  kContradicting,  // itself, or others of its exposure
+  kContradicting,  // itself, or others of its exposure: these have two senders
   kLate,           // its exposure was finished already
   kOversized,
 };
@@ -45,11 +45,14 @@ class RawAssembler {
   // The next that is finished, valid until the next take(); two are kept.
   std::optional<RawExposure> take();
   const RawStatistics& statistics() const noexcept { return statistics_; }
+  // Packets that contradict others of their exposure, over all sessions: the network repeats
+  // exactly, so two have sent them.
+  std::uint64_t lies() const noexcept { return lies_; }
 
  private:
   static constexpr std::size_t kOpen = 2;
   static constexpr std::size_t kSlots = kOpen + 3;  // two finished, and one that is out
-  static constexpr std::size_t kClosed = 4;         // whose packets are still known as late
+  static constexpr std::size_t kClosed = 256;       // whose packets are still known as late
 
   // Bytes of a pixel: 1 or 2.
   struct Picture {
@@ -73,7 +76,16 @@ class RawAssembler {
     Time last{};
   };
 
-  Slot* slot_of(const wire::Header& header, Time arrived);
+  // Of an exposure that is over.
+  struct Closed {
+    wire::FrameStamp stamp{};
+    PacketMark mark{};
+  };
+
+  bool is_over(const wire::FrameStamp& stamp) const noexcept;
+  // Whether its exposure has packets of another sender.
+  bool contradicts(const wire::PacketView& packet) const noexcept;
+  Slot& slot_of(const wire::Header& header, Time arrived);
   static RawOutcome place(Slot& slot, const wire::PacketView& packet);
   void finish(Slot& slot);
   void finish_up_to(std::uint64_t order);
@@ -84,11 +96,12 @@ class RawAssembler {
   std::size_t most_pixels_;
   std::array<Slot, kSlots> slots_;
   std::uint64_t begun_ = 0;
-  std::array<wire::FrameStamp, kClosed> closed_{};
+  std::vector<Closed> closed_;  // the newest kClosed, in a ring
   std::size_t closed_count_ = 0;
   std::uint32_t number_ = 0;   // of the newest that was finished with its info; 0: none yet
   std::uint32_t dropped_ = 0;  // as it told
   RawStatistics statistics_;
+  std::uint64_t lies_ = 0;
 };
 
 }  // namespace stof::client

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "host/client/frame/frame_slot.h"
-
 namespace stof::client {
 namespace {
 

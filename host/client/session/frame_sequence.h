@@ -1,11 +1,13 @@
 #pragma once
 
+#include <array>
 #include <bitset>
 #include <cstdint>
 #include <optional>
 
 #include "firmware/wire/packet.h"
 #include "host/client/frame/frame.h"
+#include "host/client/frame/frame_slot.h"
 
 namespace stof::client {
 
@@ -16,7 +18,8 @@ namespace stof::client {
 // after a second without a fresh frame, for a stream whose numbers and freshness both advance:
 // what repeats itself is never taken for new.
 // A network brings packets of a frame late, but whole frames behind newer ones hardly ever: where
-// three come within a second whose numbers were passed over, two senders count.
+// three come within a second whose numbers were passed over, two senders count. So they do where
+// a packet comes of a frame that was made of others.
 class FrameSequence {
  public:
   static constexpr Duration kPatience = std::chrono::seconds(1);
@@ -41,6 +44,12 @@ class FrameSequence {
   // The frame, newer than all that were closed, gets no more packets: how many numbers before it
   // were never seen.
   std::uint32_t close(std::uint32_t number) noexcept;
+  // A packet that it was made of.
+  void remember(const PacketMark& mark) noexcept { marks_[mark.number % kRemembered] = mark; }
+  // Whether a packet of a frame that is over has another sender than the frame.
+  bool contradicts(const wire::PacketView& packet) const noexcept {
+    return marks_[packet.header.frame.number % kRemembered].contradicts(packet);
+  }
   // Whether a closed frame shows a newer exposure than every one before; it counts from now on.
   bool advance(std::uint32_t freshness, Time arrived) noexcept;
 
@@ -72,7 +81,8 @@ class FrameSequence {
   std::optional<std::uint32_t> freshness_;  // of the newest fresh frame
   std::optional<Time> fresh_at_;            // when it arrived; before the first: when we began
   std::optional<Trail> trail_;
-  std::bitset<kRemembered> begun_;  // of the newest numbers, by their remainder
+  std::bitset<kRemembered> begun_;             // of the newest numbers, by their remainder
+  std::array<PacketMark, kRemembered> marks_;  // likewise
   std::optional<Passed> passed_;
 };
 

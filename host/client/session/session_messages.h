@@ -50,8 +50,9 @@ class SessionMessages {
   // though no frame was made with other settings or another calibration meanwhile, was not always
   // the sensor's.
   void note_frame(const std::optional<MadeWith>& made, ImageSize depth, Time arrived) noexcept;
-  // Such changes, events that contradict each other, and HealthBook::lies(), over all sessions.
-  std::uint64_t lies() const noexcept { return lies_ + health_.lies(); }
+  // Such changes, events and raw pictures that contradict each other, and HealthBook::lies(), over
+  // all sessions.
+  std::uint64_t lies() const noexcept { return lies_ + health_.lies() + raw_.lies(); }
   // is_signed: by the sensor, for this receiver.
   MessageOutcome push_health(const wire::PacketView& packet, bool is_signed, Time arrived);
   // overflow: an older event was given up for it.

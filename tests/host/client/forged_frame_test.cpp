@@ -102,6 +102,42 @@ TEST_F(ForgedFrame, FramesThatWerePassedOverAreTold) {
 }
 
 // Where the way of a packet takes up to six periods, frames lie in each other.
+// However far he is ahead, and whichever packet of a frame he makes.
+TEST_F(ForgedFrame, FramesThatSomebodyGoesOnMakingAheadOfTheSensorAreTold) {
+  for (const std::uint32_t lead : {2U, 3U, 8U, 60U}) {
+    for (const bool whole : {true, false}) {
+      reassembler_ = Reassembler();
+      const auto made = [&](std::uint32_t number) {
+        const std::vector<Datagram> all = parts(number, 1000 + number);
+        return whole ? all : std::vector<Datagram>{all.back()};
+      };
+      push(parts(1, 1));
+      for (std::uint32_t number = 2; number < 2 + lead; ++number) {
+        push(made(number));
+        now_ -= milliseconds(32);
+      }
+      ASSERT_EQ(reassembler_.forgeries(), 0U);
+      for (std::uint32_t number = 2; number < 6; ++number) {
+        push(parts(number, number));
+        push(made(number + lead));
+      }
+      EXPECT_GT(reassembler_.forgeries(), 0U) << lead << whole;
+    }
+  }
+}
+
+TEST_F(ForgedFrame, WhatTheNetworkRepeatsLongAfterItsFrameIsNoForgery) {
+  std::vector<std::vector<Datagram>> frames;
+  for (std::uint32_t number = 1; number < 300; ++number) {
+    frames.push_back(parts(number, number));
+    EXPECT_EQ(push(frames.back()), 1);
+  }
+  for (std::size_t k = 60; k < 298; k += 12) {
+    push({frames[k][k % frames[k].size()]});
+  }
+  EXPECT_EQ(reassembler_.forgeries(), 0U);
+}
+
 TEST_F(ForgedFrame, LatePacketsOfFramesThatBeganAreNoForgery) {
   std::mt19937 random(3);                  // NOLINT: the same order in each run
   std::multimap<unsigned, Datagram> sent;  // by when it comes, ms

@@ -228,6 +228,54 @@ TEST_F(RawAssemblerTest, WhatContradictsIsRefused) {
   EXPECT_TRUE(equal(raw_.take().value(), sent, wire::kRawPictures));
 }
 
+// Tiles that somebody else makes before the sensor's, of one exposure or of many ahead.
+TEST_F(RawAssemblerTest, WhoMakesPicturesBeforeTheSensorIsTold) {
+  for (const std::uint32_t ahead : {1U, 5U, 100U}) {
+    raw_ = RawAssembler(std::size_t{1} << 16);
+    const auto forged = [](std::uint32_t id) {
+      std::vector<Datagram> packets = Exposure(id).packets(id);
+      for (Datagram& packet : packets) {
+        packet[wire::kHeaderBytes] ^= std::byte{1};
+        test::reseal(packet);
+      }
+      return packets;
+    };
+    for (std::uint32_t id = 1; id <= ahead; ++id) {
+      push_all(forged(id));
+      EXPECT_TRUE(raw_.take());
+    }
+    EXPECT_EQ(raw_.lies(), 0U);
+    for (const Datagram& packet : Exposure(1).packets(1)) {
+      push(packet);
+    }
+    EXPECT_GT(raw_.lies(), 0U) << ahead;
+    EXPECT_FALSE(raw_.take());
+  }
+}
+
+TEST_F(RawAssemblerTest, AnotherExposureOfTheSameIdIsALie) {
+  push_all(Exposure(1).packets(1));
+  Datagram other = Exposure(1).packets(1)[2];
+  constexpr std::size_t kExposureMiddle = 24;
+  other[kExposureMiddle] ^= std::byte{1};
+  test::reseal(other);
+  EXPECT_EQ(push(other), RawOutcome::kContradicting);
+  EXPECT_EQ(raw_.lies(), 1U);
+}
+
+TEST_F(RawAssemblerTest, WhatTheNetworkRepeatsIsNoLie) {
+  for (std::uint32_t id = 1; id < 10; ++id) {
+    push_all(Exposure(id).packets(id));
+    for (std::uint32_t k = 1; k <= id; ++k) {
+      for (const Datagram& packet : Exposure(k).packets(k)) {
+        EXPECT_EQ(push(packet), RawOutcome::kLate);
+      }
+    }
+    EXPECT_TRUE(raw_.take());
+  }
+  EXPECT_EQ(raw_.lies(), 0U);
+}
+
 // Of a picture that is not of the size that its info tells nothing is believed.
 TEST_F(RawAssemblerTest, APictureOfAnotherSizeThanItsInfoTellsIsMissing) {
   std::vector<Datagram> packets = Exposure(1).packets(1);
