@@ -4,7 +4,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -302,38 +306,58 @@ dsp::Calibration without_place(const dataset::CalibrationTruth& truth,
   return rig;
 }
 
-void judge_place(const std::string& what, const ExtrinsicFit& fit,
-                 const dataset::CalibrationTruth& truth, double most_degrees, double most_mm) {
+// A PMD camera that was placed, against the truth.
+struct Place {
+  Eigen::Matrix<double, 6, 1> off;  // rotation, radians; translation, m
+  double squared = 0;               // normalised, of 6 degrees of freedom
+
+  double degrees() const { return off.head<3>().norm() / kDegree; }
+  double mm() const { return off.tail<3>().norm() * 1000; }
+};
+
+Place place_of(const ExtrinsicFit& fit, const dataset::CalibrationTruth& truth) {
   const Eigen::Matrix<double, 6, 1> off =
       difference(fit.pmd_to_stereo, pose_of(test::pmd_to_rectified(truth)));
-  const double squared = off.dot(fit.covariance.ldlt().solve(off));
-  std::printf("figure: %s: normalised squared error %.1f (6 degrees of freedom)\n", what.c_str(),
-              squared);
-  figure(what + ": rotation off by", off.head<3>().norm() / kDegree, most_degrees, "degrees");
-  figure(what + ": translation off by", off.tail<3>().norm() * 1000, most_mm, "mm");
+  return {.off = off, .squared = off.dot(fit.covariance.ldlt().solve(off))};
+}
+
+// Walls at several tilts in a folder of their own, read as a user's are; nullopt where they place
+// nothing.
+std::optional<Place> place_by_walls(const std::filesystem::path& set, const EmulatorFlags& rig) {
+  const EmulatorFlags flags = EmulatorFlags{"--scene", "plane"} + rig;
+  EXPECT_TRUE(emulate(set, flags + EmulatorFlags{"--frames", "16"}));
+  const dataset::CalibrationTruth truth = test::truth_of(flags);
+  const dataset::Loaded<dataset::PmdRecording> first = dataset::read_pmd(set / "pose_000" / "pmd");
+  EXPECT_TRUE(first) << first.error().message;
+  if (!first) {
+    return std::nullopt;
+  }
+  const dataset::Loaded<std::vector<BothLooks>> looks =
+      read_looks(set, without_place(truth, *first), {.threads = 2});
+  EXPECT_TRUE(looks) << looks.error().message;
+  if (!looks) {
+    return std::nullopt;
+  }
+  const FoundWalls found = walls_of(*looks);
+  for (const std::string& line : found.refused) {
+    std::printf("left out: %s\n", line.c_str());
+  }
+  const std::optional<ExtrinsicFit> fit = fit_extrinsics(found.walls, {});
+  std::filesystem::remove_all(set);
+  return fit ? std::optional(place_of(*fit, truth)) : std::nullopt;
 }
 
 TEST_F(RigFigures, ThePmdCameraByWalls) {
   for (const auto& [size, degrees, mm] :
        {std::tuple("64x16", 0.3, 15.0), std::tuple("176x144", 0.1, 5.0)}) {
-    const EmulatorFlags flags{"--scene", "plane",     "--misbuilt", "3",
-                              "--poses", "tilts:8,3", "--pmd",      size};
-    ASSERT_TRUE(emulate(set(), flags + EmulatorFlags{"--frames", "16"}));
-    const dataset::CalibrationTruth truth = test::truth_of(flags);
-    const dataset::Loaded<dataset::PmdRecording> first =
-        dataset::read_pmd(set() / "pose_000" / "pmd");
-    ASSERT_TRUE(first) << first.error().message;
-    const dataset::Loaded<std::vector<BothLooks>> looks =
-        read_looks(set(), without_place(truth, *first), {.threads = 2});
-    ASSERT_TRUE(looks) << looks.error().message;
-    const FoundWalls found = walls_of(*looks);
-    for (const std::string& line : found.refused) {
-      std::printf("left out: %s\n", line.c_str());
-    }
-    const std::optional<ExtrinsicFit> fit = fit_extrinsics(found.walls, {});
-    ASSERT_TRUE(fit);
-    judge_place(std::string("PMD by walls, ") + size, *fit, truth, degrees, mm);
-    std::filesystem::remove_all(set());
+    const std::optional<Place> place =
+        place_by_walls(set(), {"--misbuilt", "3", "--poses", "tilts:8,3", "--pmd", size});
+    ASSERT_TRUE(place) << size;
+    const std::string what = std::string("PMD by walls, ") + size;
+    std::printf("figure: %s: normalised squared error %.1f (6 degrees of freedom)\n", what.c_str(),
+                place->squared);
+    figure(what + ": rotation off by", place->degrees(), degrees, "degrees");
+    figure(what + ": translation off by", place->mm(), mm, "mm");
   }
 }
 
@@ -344,16 +368,10 @@ struct PmdBoard {
 };
 constexpr PmdBoard kLargeBoard{{.columns = 9, .rows = 6, .square_m = 0.07}, "board:chess,9x6,0.07"};
 
-struct BoardPlace {
-  ExtrinsicFit fit;
-  Eigen::Matrix<double, 6, 1> off;  // from the truth
-  double squared = 0;               // normalised, of 6
-};
-
 // Views of a board in a folder of their own, read as a user's are; nullopt where they place
 // nothing.
-std::optional<BoardPlace> place_by_board(const std::filesystem::path& set, const PmdBoard& board,
-                                         const EmulatorFlags& flags) {
+std::optional<Place> place_by_board(const std::filesystem::path& set, const PmdBoard& board,
+                                    const EmulatorFlags& flags) {
   EXPECT_TRUE(emulate(set, flags + EmulatorFlags{"--frames", "8"}));
   const dataset::CalibrationTruth truth = test::truth_of(flags);
   const dataset::Loaded<dataset::PmdRecording> first = dataset::read_pmd(set / "pose_000" / "pmd");
@@ -371,9 +389,7 @@ std::optional<BoardPlace> place_by_board(const std::filesystem::path& set, const
   if (!fit) {
     return std::nullopt;
   }
-  const Eigen::Matrix<double, 6, 1> off =
-      difference(fit->pmd_to_stereo, pose_of(test::pmd_to_rectified(truth)));
-  return BoardPlace{*fit, off, off.dot(fit->covariance.ldlt().solve(off))};
+  return place_of(*fit, truth);
 }
 
 // How many rigs, and the first of them: 100 take half an hour on two cores, which is for
@@ -383,34 +399,66 @@ int asked_for(const char* variable, int otherwise) {
   return dsp::parse_number_in<int>(text == nullptr ? "" : text, 1, 10000).value_or(otherwise);
 }
 
-TEST_F(RigFigures, PmdCamerasByABoardAndTheirCovarianceIsThatOfTheErrors) {
-  constexpr double kEllipsoid95 = 12.592;  // chi^2, 6 degrees of freedom
-  const int seeds = asked_for("STOF_CALIB_SEEDS", 6);
-  const int first = asked_for("STOF_CALIB_FIRST", 1);
-  double mean = 0, degrees = 0, mm = 0;
-  int inside = 0;
-  for (int seed = first; seed < first + seeds; ++seed) {
-    const std::string number = std::to_string(seed);
-    const std::optional<BoardPlace> place =
-        place_by_board(set(), kLargeBoard,
-                       {"--scene", kLargeBoard.scene, "--misbuilt", number, "--poses",
-                        "wave:12," + number, "--pmd", "176x144"});
-    ASSERT_TRUE(place) << "rig " << seed;
-    mean += place->squared / seeds;
-    inside += place->squared <= kEllipsoid95 ? 1 : 0;
-    degrees = std::max(degrees, place->off.head<3>().norm() / kDegree);
-    mm = std::max(mm, place->off.tail<3>().norm() * 1000);
+// The worst of many rigs, and whether their covariances are those of the errors.
+class PlacedRigs {
+ public:
+  explicit PlacedRigs(std::string what) : what_(std::move(what)) {}
+
+  // place(number): of the rig of that number.
+  void place_each(const std::function<std::optional<Place>(const std::string& number)>& place) {
+    for (int seed = first_; seed < first_ + seeds_; ++seed) {
+      const std::optional<Place> one = place(std::to_string(seed));
+      ASSERT_TRUE(one) << "rig " << seed;
+      mean_ += one->squared / seeds_;
+      inside_ += one->squared <= kEllipsoid95 ? 1 : 0;
+      degrees_ = std::max(degrees_, one->degrees());
+      mm_ = std::max(mm_, one->mm());
+    }
   }
-  std::printf(
-      "figure: PMD by a board, %d rendered rigs from %d on: mean normalised squared error %.2f (of "
-      "6), %d inside the 95 percent ellipsoid\n",
-      seeds, first, mean, inside);
-  figure("PMD by a board, worst of all rigs: rotation off by", degrees, 0.1, "degrees");
-  figure("PMD by a board, worst of all rigs: translation off by", mm, 5, "mm");
-  // Of 100 rigs the mean scatters by 0.35.
-  const double allowed = 0.7 * std::max(1.0, std::sqrt(100.0 / seeds));
-  EXPECT_NEAR(mean, 6, allowed);
-  EXPECT_GE(inside, 0.9 * seeds - (seeds < 100 ? 1 : 0));
+  void judge(double most_degrees, double most_mm) const {
+    std::printf(
+        "figure: %s, %d rendered rigs from %d on: mean normalised squared error %.2f (of 6), "
+        "%d inside the 95 percent ellipsoid\n",
+        what_.c_str(), seeds_, first_, mean_, inside_);
+    figure(what_ + ", worst of all rigs: rotation off by", degrees_, most_degrees, "degrees");
+    figure(what_ + ", worst of all rigs: translation off by", mm_, most_mm, "mm");
+    // Of 100 rigs the mean scatters by 0.35.
+    EXPECT_NEAR(mean_, 6, 0.7 * std::max(1.0, std::sqrt(100.0 / seeds_)));
+    EXPECT_GE(inside_, 0.9 * seeds_ - (seeds_ < 100 ? 1 : 0));
+  }
+
+ private:
+  static constexpr double kEllipsoid95 = 12.592;  // chi^2, 6 degrees of freedom
+
+  std::string what_;
+  int seeds_ = asked_for("STOF_CALIB_SEEDS", 6);
+  int first_ = asked_for("STOF_CALIB_FIRST", 1);
+  double mean_ = 0;
+  double degrees_ = 0;
+  double mm_ = 0;
+  int inside_ = 0;
+};
+
+TEST_F(RigFigures, PmdCamerasByWallsAndTheirCovarianceIsThatOfTheErrors) {
+  for (const auto& [size, degrees, mm] :
+       {std::tuple("64x16", 0.3, 15.0), std::tuple("176x144", 0.1, 5.0)}) {
+    PlacedRigs rigs(std::string("PMD by walls, ") + size);
+    ASSERT_NO_FATAL_FAILURE(rigs.place_each([&, size = size](const std::string& number) {
+      return place_by_walls(set(),
+                            {"--misbuilt", number, "--poses", "tilts:8," + number, "--pmd", size});
+    }));
+    rigs.judge(degrees, mm);
+  }
+}
+
+TEST_F(RigFigures, PmdCamerasByABoardAndTheirCovarianceIsThatOfTheErrors) {
+  PlacedRigs rigs("PMD by a board");
+  ASSERT_NO_FATAL_FAILURE(rigs.place_each([&](const std::string& number) {
+    return place_by_board(set(), kLargeBoard,
+                          {"--scene", kLargeBoard.scene, "--misbuilt", number, "--poses",
+                           "wave:12," + number, "--pmd", "176x144"});
+  }));
+  rigs.judge(0.1, 5);
 }
 
 }  // namespace
