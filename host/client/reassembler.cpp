@@ -47,7 +47,7 @@ void Reassembler::push(std::span<const std::byte> datagram, Time arrived, Time n
     ++(statistics_.*kFaults[static_cast<std::size_t>(packet.error())]);
     return;
   }
-  if (is_signed() && !verify(datagram)) {
+  if (is_signed() && !verify(datagram, packet->header.origin.session_id)) {
     return;
   }
   const wire::Header& header = packet->header;
@@ -79,9 +79,9 @@ void Reassembler::push(std::span<const std::byte> datagram, Time arrived, Time n
   }
 }
 
-bool Reassembler::verify(std::span<const std::byte> datagram) {
+bool Reassembler::verify(std::span<const std::byte> datagram, std::uint32_t session) {
   using Verdict = StreamVerifier::Verdict;
-  switch (const Verdict verdict = options_.verifier->judge(datagram); verdict) {
+  switch (const Verdict verdict = options_.verifier->judge(datagram, session); verdict) {
     case Verdict::kGood:
       return true;
     case Verdict::kNotSigned:

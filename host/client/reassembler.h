@@ -102,7 +102,7 @@ class Reassembler {
   // Nobody else can have sent what is used.
   bool is_signed() const noexcept { return options_.verifier != nullptr; }
   // Whether a datagram that was parsed may be believed; counts it where not.
-  bool verify(std::span<const std::byte> datagram);
+  bool verify(std::span<const std::byte> datagram, std::uint32_t session);
   void start_session();
   void push_report(const wire::PacketView& packet, Time arrived);
   void push_calibration(const wire::PacketView& packet, Time arrived);

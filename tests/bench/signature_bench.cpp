@@ -18,6 +18,8 @@
 namespace stof {
 namespace {
 
+constexpr std::uint32_t kSession = 1;
+
 // The least of many turns counts: the machine has more to do.
 constexpr int kTurns = 400;
 constexpr int kInTurn = 200;
@@ -90,10 +92,10 @@ void measure(std::size_t bytes) {
     forged[i] = wire::sign_datagram(datagram, forger, 1 + 1'000'003 * i, forged_space[i]);
   }
   client::StreamVerifier verifier;
-  verifier.set_key(key);
+  verifier.set_key(key, kSession);
   std::size_t next = 0;
   const double refuse = least_ns([&] {
-    good = good && verifier.judge(forged[++next % forged.size()]) ==
+    good = good && verifier.judge(forged[++next % forged.size()], kSession) ==
                        client::StreamVerifier::Verdict::kForged;
   });
   std::printf(
@@ -107,7 +109,7 @@ void measure(std::size_t bytes) {
 // Frames of the default streams of the emulated corridor, 640x480, as all receivers get them.
 std::vector<Frame> corridor(std::uint32_t frames) {
   test::CorridorFrame images;
-  test::CoderInMemory coder({.device_id = 1, .session_id = 1}, images.sizes(),
+  test::CoderInMemory coder({.device_id = 1, .session_id = kSession}, images.sizes(),
                             {.fx = 615 << 16, .fy = 615 << 16, .cx = 320 << 16, .cy = 240 << 16});
   wire::StreamChoice choice;
   for (const wire::Stream stream :
@@ -141,7 +143,7 @@ Frame signed_frame(const Frame& frame, const wire::StreamKey& key, std::uint64_t
 double received_ms(const std::vector<Frame>& frames, const wire::StreamKey* key) {
   client::StreamVerifier verifier;
   if (key != nullptr) {
-    verifier.set_key(*key);
+    verifier.set_key(*key, kSession);
   }
   client::Reassembler reassembler({.verifier = key != nullptr ? &verifier : nullptr});
   double least = std::numeric_limits<double>::max();

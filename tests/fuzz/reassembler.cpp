@@ -9,6 +9,8 @@
 namespace stof {
 namespace {
 
+constexpr std::uint32_t kSession = 0x1122'3344;  // of the seeds
+
 constexpr std::size_t kMostPixels = 1 << 12;
 
 template <typename T>
@@ -57,7 +59,7 @@ void stof::fuzz::run(std::span<const std::byte> input) {
   const bool signs = input.size() % 2 != 0;  // whether streams have to be signed
   const wire::StreamKey key{.number = 1};
   client::StreamVerifier verifier;
-  verifier.set_key(key);
+  verifier.set_key(key, kSession);
   client::Reassembler reassembler(
       {.max_pixels = kMostPixels, .raw_pictures = true, .verifier = signs ? &verifier : nullptr});
   wire::StreamTagger tagger(key);

@@ -17,14 +17,16 @@ void StreamVerifier::set_key(const wire::StreamKey& key, std::uint32_t session) 
   newest = {.tagger = wire::StreamTagger(key)};
 }
 
-StreamVerifier::Verdict StreamVerifier::judge(std::span<const std::byte> datagram) {
+// A sensor that starts again counts its keys from 1 again.
+StreamVerifier::Verdict StreamVerifier::judge(std::span<const std::byte> datagram,
+                                              std::uint32_t session) {
   const std::optional<wire::StreamSignature> signature = wire::signature_of(datagram);
   const auto known =
-      signature ? std::ranges::find_if(known_,
-                                       [&](const Known& one) {
-                                         return one.tagger.key().number == signature->number;
-                                       })
-                : known_.end();
+      signature && session == session_
+          ? std::ranges::find_if(
+                known_,
+                [&](const Known& one) { return one.tagger.key().number == signature->number; })
+          : known_.end();
   if (known == known_.end()) {
     return signature && awaits_key_ ? Verdict::kKeyToCome : Verdict::kNotSigned;
   }

@@ -18,7 +18,7 @@ class StreamVerifier {
 
   enum class Verdict : std::uint8_t {
     kGood,
-    kNotSigned,  // or with a key that is not known here
+    kNotSigned,  // or with a key that is not known here: of another session than the newest is
     kKeyToCome,  // likewise, while an answer with a key, or what an earlier one signed, may come
     kForged,
     kDuplicate,
@@ -27,14 +27,15 @@ class StreamVerifier {
 
   // The sensor signs with it from now on, in this session. What the key before it signed is good as
   // well, until the next one; what it signed in another session no more.
-  void set_key(const wire::StreamKey& key, std::uint32_t session = 0);
+  void set_key(const wire::StreamKey& key, std::uint32_t session);
   bool has_key() const noexcept { return known_.front().tagger.key().number != 0; }
 
   // Whether the sensor was asked for a key and has not answered, or has just given one.
   void await_key(bool awaited) noexcept { awaits_key_ = awaited; }
 
-  // Of a datagram that wire::parse_packet() took. A good one's counter is used up.
-  Verdict judge(std::span<const std::byte> datagram);
+  // Of a datagram that wire::parse_packet() took, and of its session. A good one's counter is used
+  // up.
+  Verdict judge(std::span<const std::byte> datagram, std::uint32_t session);
   std::uint64_t good() const noexcept { return good_; }
   // Of the key of the newest good one; 0: there was none.
   std::uint32_t good_number() const noexcept { return good_number_; }

@@ -21,6 +21,7 @@ using test::frame_spec;
 using wire::StreamKey;
 
 constexpr Time kStart{std::chrono::seconds(100)};
+constexpr std::uint32_t kSession = test::kOrigin.session_id;
 
 StreamKey numbered(std::uint32_t number, unsigned secret = 1) {
   StreamKey key{.number = number};
@@ -51,13 +52,14 @@ class Verifier : public testing::Test {
  protected:
   void SetUp() override {
     ASSERT_TRUE(wire::start_crypto());
-    verifier_.set_key(key_);
+    verifier_.set_key(key_, kSession);
   }
   Verdict judge(std::uint64_t counter, const StreamKey& key) {
-    return verifier_.judge(sign(plain_, key, counter));
+    return verifier_.judge(sign(plain_, key, counter), session_);
   }
   Verdict judge(std::uint64_t counter) { return judge(counter, key_); }
 
+  std::uint32_t session_ = kSession;  // of what is judged
   StreamKey key_ = numbered(5);
   Datagram plain_ = test::datagrams(frame_spec(1)).front();
   StreamVerifier verifier_;
@@ -93,10 +95,10 @@ TEST_F(Verifier, RefusesWhatAnotherKeySigned) {
   EXPECT_EQ(judge(1, numbered(5, 2)), Verdict::kForged);
   EXPECT_EQ(judge(1, numbered(6)), Verdict::kNotSigned);  // another receiver's
   EXPECT_EQ(judge(1, numbered(0)), Verdict::kNotSigned);
-  EXPECT_EQ(verifier_.judge(plain_), Verdict::kNotSigned);
+  EXPECT_EQ(verifier_.judge(plain_, kSession), Verdict::kNotSigned);
   verifier_.await_key(true);
   EXPECT_EQ(judge(1, numbered(6)), Verdict::kKeyToCome);
-  EXPECT_EQ(verifier_.judge(plain_), Verdict::kNotSigned);
+  EXPECT_EQ(verifier_.judge(plain_, kSession), Verdict::kNotSigned);
   EXPECT_EQ(verifier_.good(), 0U);
 }
 
@@ -106,39 +108,54 @@ TEST_F(Verifier, AForgedCounterFarAheadStopsNothing) {
   Datagram changed = sign(plain_, key_, 1);
   changed[59] = std::byte{0xFF};  // of the counter
   test::reseal(changed);
-  EXPECT_EQ(verifier_.judge(changed), Verdict::kForged);
+  EXPECT_EQ(verifier_.judge(changed, kSession), Verdict::kForged);
   EXPECT_EQ(judge(1), Verdict::kGood);
 }
 
 TEST_F(Verifier, TheKeyBeforeIsGoodUntilTheNext) {
   EXPECT_EQ(judge(1), Verdict::kGood);
-  verifier_.set_key(numbered(6, 3));
+  verifier_.set_key(numbered(6, 3), kSession);
   EXPECT_EQ(judge(2), Verdict::kGood);
   EXPECT_EQ(judge(1), Verdict::kDuplicate);
   EXPECT_EQ(judge(1, numbered(6, 3)), Verdict::kGood);
-  verifier_.set_key(numbered(6, 3));  // told again
+  verifier_.set_key(numbered(6, 3), kSession);  // told again
   EXPECT_EQ(judge(1, numbered(6, 3)), Verdict::kDuplicate);
-  verifier_.set_key(numbered(7, 4));
+  verifier_.set_key(numbered(7, 4), kSession);
   EXPECT_EQ(judge(3), Verdict::kNotSigned);
 }
 
 // A sensor that starts again counts its keys from 1.
 TEST_F(Verifier, TheSameNumberOfAnotherSessionReplacesIt) {
   EXPECT_EQ(judge(1), Verdict::kGood);
-  verifier_.set_key(numbered(5, 9));
+  verifier_.set_key(numbered(5, 9), kSession);
   EXPECT_EQ(judge(2), Verdict::kForged);
   EXPECT_EQ(judge(1, numbered(5, 9)), Verdict::kGood);
 }
 
 // Else whoever kept what it signed could show it after the next start.
 TEST_F(Verifier, AKeyOfAnotherSessionIsNoneAnyMore) {
-  verifier_.set_key(numbered(6), 1);
-  verifier_.set_key(numbered(7), 1);
+  verifier_.set_key(numbered(6), kSession);
+  verifier_.set_key(numbered(7), kSession);
   EXPECT_EQ(judge(1, numbered(6)), Verdict::kGood);
   EXPECT_EQ(verifier_.good_number(), 6U);
-  verifier_.set_key(numbered(1), 2);
+  session_ = 2;
+  verifier_.set_key(numbered(1), session_);
   EXPECT_EQ(judge(2, numbered(7)), Verdict::kNotSigned);
   EXPECT_EQ(judge(1, numbered(1)), Verdict::kGood);
+}
+
+// A sensor that starts again counts its keys from 1 again, and its answer with the key may be lost.
+TEST_F(Verifier, TheSameNumberInAnotherSessionIsNoForgeryOfTheKnownKey) {
+  EXPECT_EQ(judge(1), Verdict::kGood);
+  session_ = 2;
+  verifier_.await_key(true);
+  EXPECT_EQ(judge(1, numbered(5, 9)), Verdict::kKeyToCome);
+  verifier_.set_key(numbered(5, 9), session_);
+  EXPECT_EQ(judge(1, numbered(5, 9)), Verdict::kGood);
+  session_ = kSession;  // late, of before the start
+  EXPECT_EQ(judge(2), Verdict::kKeyToCome);
+  verifier_.await_key(false);
+  EXPECT_EQ(judge(2), Verdict::kNotSigned);
 }
 
 class SignedFrames : public testing::Test {
@@ -168,7 +185,7 @@ class SignedFrames : public testing::Test {
 TEST_F(SignedFrames, ComeWholeAndUnsignedOnesNever) {
   EXPECT_FALSE(push(test::datagrams(frame_spec(1))));
   EXPECT_FALSE(told()) << "before there is a key nobody knows better";
-  verifier_.set_key(key_);
+  verifier_.set_key(key_, kSession);
   const std::optional<Frame> frame = push(signed_frame(2, key_, counter_));
   ASSERT_TRUE(frame);
   EXPECT_TRUE(frame->complete());
@@ -181,7 +198,7 @@ TEST_F(SignedFrames, ComeWholeAndUnsignedOnesNever) {
 }
 
 TEST_F(SignedFrames, ForgedAndRepeatedOnesAreCountedAndNoneComes) {
-  verifier_.set_key(key_);
+  verifier_.set_key(key_, kSession);
   const std::vector<Datagram> frame = signed_frame(2, key_, counter_);
   ASSERT_TRUE(push(frame));
   EXPECT_FALSE(push(frame));
@@ -206,7 +223,7 @@ TEST_F(SignedFrames, ForgedAndRepeatedOnesAreCountedAndNoneComes) {
 }
 
 TEST_F(SignedFrames, AStrangersSessionDoesNotEndTheirs) {
-  verifier_.set_key(key_);
+  verifier_.set_key(key_, kSession);
   ASSERT_TRUE(push(signed_frame(2, key_, counter_)));
   test::FrameSpec stranger = frame_spec(3);
   stranger.origin.session_id += 1;
@@ -216,7 +233,7 @@ TEST_F(SignedFrames, AStrangersSessionDoesNotEndTheirs) {
 }
 
 TEST_F(SignedFrames, DamageIsNoForgery) {
-  verifier_.set_key(key_);
+  verifier_.set_key(key_, kSession);
   std::vector<Datagram> frame = signed_frame(2, key_, counter_);
   frame[3][70] ^= std::byte{1};
   push(frame);
@@ -226,7 +243,7 @@ TEST_F(SignedFrames, DamageIsNoForgery) {
 }
 
 TEST_F(SignedFrames, ParityMakesGoodWhatIsLostOfThem) {
-  verifier_.set_key(key_);
+  verifier_.set_key(key_, kSession);
   ASSERT_TRUE(push(signed_frame(2, key_, counter_, true)));
   for (std::size_t lost = 0; lost < 13; ++lost) {
     std::vector<Datagram> packets =
