@@ -94,11 +94,9 @@ bool Reassembler::verify(std::span<const std::byte> datagram, std::uint32_t sess
       ++forgeries_;
       return false;
     case Verdict::kDuplicate:
-      ++statistics_.duplicate;
-      return false;
     case Verdict::kLate:
-      ++statistics_.late;
-      return false;
+      ++(verdict == Verdict::kLate ? statistics_.late : statistics_.duplicate);
+      break;
   }
   return false;
 }
@@ -120,6 +118,7 @@ void Reassembler::refuse_old(const wire::Header& header, Time arrived) {
   sequence_.begin(number, arrived);
   statistics_.frames_lost += sequence_.close(number);
   static_cast<void>(sequence_.advance(header.frame.freshness, arrived));  // fresh, and old by now
+  messages_.skip_frame();
   FrameSlot* const open = oldest(FrameSlot::State::kOpen);
   if (open != nullptr && open->number() == number) {
     drop(*open, &Statistics::frames_old);

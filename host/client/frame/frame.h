@@ -17,6 +17,8 @@ namespace stof::client {
 
 using Time = std::chrono::steady_clock::time_point;
 using Duration = std::chrono::steady_clock::duration;
+// Networks do not turn round packets that were sent farther apart.
+inline constexpr Duration kTurnedRound = std::chrono::milliseconds(250);
 
 using wire::kStreams;
 

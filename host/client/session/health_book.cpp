@@ -15,9 +15,7 @@ constexpr Duration kSilence = std::chrono::milliseconds(2500);
 constexpr Duration kPeriod = std::chrono::milliseconds(1200);
 // Between what is better twice: more than two periods.
 constexpr Duration kFlaps = std::chrono::milliseconds(2500);
-// Networks do not turn round packets that were sent farther apart.
-constexpr Duration kTurnedRound = std::chrono::milliseconds(250);
-// Nor an event and what is sent half a second later.
+// Networks do not turn round an event and what is sent so much later.
 constexpr Duration kEventHolds = 2 * kTurnedRound;
 
 // Whether an uptime follows one that was told at `then`.

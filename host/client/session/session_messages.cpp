@@ -95,6 +95,7 @@ MessageOutcome SessionMessages::push_calibration(const wire::PacketView& packet,
 void SessionMessages::note_frame(const std::optional<MadeWith>& made, ImageSize depth,
                                  Time arrived) noexcept {
   if (!made) {
+    skip_frame();
     return;
   }
   changes_ = made_ == made ? changes_ : 0;
@@ -111,9 +112,13 @@ void SessionMessages::choose_calibration() noexcept {
 void SessionMessages::note_change(const wire::CalibrationPacket& calibration,
                                   Time arrived) noexcept {
   if (newest_calibration_ && *newest_calibration_ != calibration && made_) {
-    changes_ = arrived - changed_at_ > kChangeHolds ? 0 : changes_;
-    changed_at_ = arrived;
-    lies_ += ++changes_ > 1 ? 1U : 0U;
+    const Duration since = arrived - changed_at_;
+    changes_ = since > kChangeHolds ? 0 : changes_;
+    if (changes_ == 0 || since >= kTurnedRound) {
+      ++changes_;
+      changed_at_ = arrived;
+    }
+    lies_ += changes_ > 1 ? 1U : 0U;
   }
   newest_calibration_ = calibration;
 }

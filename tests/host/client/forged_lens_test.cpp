@@ -312,6 +312,38 @@ TEST_F(ForgedLens, ACalibrationThatIsInstalledHoldsFromItsFirstFrameAndSoDoesThe
   }
 }
 
+// The last one of before comes behind the new one, and both before the frames of the new one.
+TEST_F(ForgedLens, WhatTheNetworkTurnsRoundWhereTheSensorChangesIsNoForgery) {
+  stream(150);
+  file_ = 78;
+  lens_ = 222;
+  number_ += 2;
+  say(lens_, file_);
+  number_ -= 2;
+  now_ += kPeriod;
+  say(kTrue, kFile);
+  EXPECT_EQ(stream(35).forged, 0);
+  EXPECT_FALSE(told());
+}
+
+TEST_F(ForgedLens, ChangesWhoseFramesWereTooOldToBeReadAreNoForgery) {
+  stream(150);
+  for (const std::uint32_t file : {78U, 79U, 80U}) {
+    file_ = file;
+    say(lens_, file_);
+    for (int k = 0; k < 5; ++k) {
+      now_ += kPeriod;
+      ++number_;
+      for (const test::Datagram& packet : test::datagrams(frame())) {
+        reassembler_.push(packet, now_, now_ + seconds(2));
+      }
+    }
+  }
+  EXPECT_EQ(reassembler_.statistics().frames_old, 15U);
+  stream(35);
+  EXPECT_FALSE(told());
+}
+
 TEST_F(ForgedLens, AFrameWithoutItsInfoHasTheLensOfTheFrameBefore) {
   stream(150);
   const auto without_info = [&] {
