@@ -63,7 +63,7 @@ class Reassembler {
   // others of their frame, and starts of the order of frames anew; what is not signed only once
   // there is a key.
   std::uint64_t forgeries() const noexcept {
-    return forgeries_ + messages_.lies() + session_.contests();
+    return forgeries_ + (is_signed() ? 0 : messages_.lies()) + session_.contests();
   }
   // Frames that came too late, by their stamps.
   std::uint64_t late_frames() const noexcept { return late_frames_; }
