@@ -98,7 +98,12 @@ void SessionMessages::note_frame(const std::optional<MadeWith>& made, ImageSize 
     skip_frame();
     return;
   }
-  changes_ = made_ == made ? changes_ : 0;
+  if (made_ != made) {
+    skip_frame();
+  } else if (turned_round_at_ && arrived - *turned_round_at_ >= 2 * kTurnedRound) {
+    turned_round_at_.reset();
+    ++lies_;  // the frames of the change would be here
+  }
   made_ = made;
   lenses_.note_frame(made->calibration, depth, arrived);
   choose_calibration();
@@ -117,6 +122,8 @@ void SessionMessages::note_change(const wire::CalibrationPacket& calibration,
     if (changes_ == 0 || since >= kTurnedRound) {
       ++changes_;
       changed_at_ = arrived;
+    } else {
+      turned_round_at_ = arrived;
     }
     lies_ += changes_ > 1 ? 1U : 0U;
   }

@@ -51,7 +51,10 @@ class SessionMessages {
   // the sensor's.
   void note_frame(const std::optional<MadeWith>& made, ImageSize depth, Time arrived) noexcept;
   // One was not read, so that nobody knows what it was made with.
-  void skip_frame() noexcept { changes_ = 0; }
+  void skip_frame() noexcept {
+    changes_ = 0;
+    turned_round_at_.reset();
+  }
   // Such changes, events and raw pictures that contradict each other, and HealthBook::lies(), over
   // all sessions.
   std::uint64_t lies() const noexcept { return lies_ + health_.lies() + raw_.lies(); }
@@ -96,8 +99,9 @@ class SessionMessages {
   LensBook lenses_;
   std::optional<wire::CalibrationPacket> calibration_;
   std::optional<wire::CalibrationPacket> newest_calibration_;  // that was taken
-  int changes_ = 0;  // of that one, since a frame was made with anything else
-  Time changed_at_;  // the last one that counts
+  int changes_ = 0;                      // of that one, since a frame was made with anything else
+  Time changed_at_;                      // the last one that counts
+  std::optional<Time> turned_round_at_;  // one that may be the network's
   std::uint64_t lies_ = 0;
   std::uint32_t calibration_frame_ = 0;
   Time calibration_at_;

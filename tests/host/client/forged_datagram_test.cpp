@@ -228,6 +228,8 @@ TEST_F(ForgedPeriod, IsToldWhenTheTrueOneComesAgain) {
   say(1'000'000'000);
   EXPECT_FALSE(watch_.state(now_).forged_traffic) << "somebody may have set it";
   stream(1, kPeriod);
+  EXPECT_FALSE(watch_.state(now_).forged_traffic) << "the network may have turned it round";
+  stream(20, kPeriod);
   EXPECT_TRUE(watch_.state(now_).forged_traffic);
 }
 
