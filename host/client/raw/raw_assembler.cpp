@@ -57,29 +57,24 @@ RawOutcome RawAssembler::push(const wire::PacketView& packet, Time arrived) {
     ++lies_;
     return RawOutcome::kContradicting;
   }
-  if (is_over(header.frame)) {
+  Slot* const slot = slot_of(header, arrived);
+  if (slot == nullptr) {
     return RawOutcome::kLate;
   }
-  Slot& slot = slot_of(header, arrived);
-  if (slot.packets.has(header.index)) {
+  if (slot->packets.has(header.index)) {
     return RawOutcome::kDuplicate;
   }
-  const RawOutcome placed = place(slot, packet);
+  const RawOutcome placed = place(*slot, packet);
   if (placed != RawOutcome::kTaken) {
     ++lies_;
     return placed;
   }
-  slot.packets.insert(header.index, packet);
-  slot.last = arrived;
-  if (++slot.arrived == header.count) {
-    finish_up_to(slot.order);
+  slot->packets.insert(header.index, packet);
+  slot->last = arrived;
+  if (++slot->arrived == header.count) {
+    finish_up_to(slot->order);
   }
   return RawOutcome::kTaken;
-}
-
-bool RawAssembler::is_over(const wire::FrameStamp& stamp) const noexcept {
-  return std::ranges::any_of(
-      closed_, [&](const Closed& closed) { return same_exposure(closed.stamp, stamp); });
 }
 
 // Freshness is the exposure's id.
@@ -97,11 +92,16 @@ bool RawAssembler::contradicts(const wire::PacketView& packet) const noexcept {
          (!same_exposure(closed->stamp, header.frame) || closed->mark.contradicts(packet));
 }
 
-// Begun when it is the first of its exposure.
-RawAssembler::Slot& RawAssembler::slot_of(const wire::Header& header, Time arrived) {
+// nullptr: it is over.
+RawAssembler::Slot* RawAssembler::slot_of(const wire::Header& header, Time arrived) {
   for (Slot& slot : slots_) {
     if (slot.state == State::kOpen && same_exposure(slot.header.frame, header.frame)) {
-      return slot;
+      return &slot;
+    }
+  }
+  for (const Closed& closed : closed_) {
+    if (same_exposure(closed.stamp, header.frame)) {
+      return nullptr;
     }
   }
   const auto open = std::ranges::count(slots_, State::kOpen, &Slot::state);
@@ -123,7 +123,7 @@ RawAssembler::Slot& RawAssembler::slot_of(const wire::Header& header, Time arriv
     picture.begin();
   }
   free->last = arrived;
-  return *free;
+  return free;
 }
 
 RawOutcome RawAssembler::place(Slot& slot, const wire::PacketView& packet) {

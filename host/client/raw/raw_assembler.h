@@ -19,7 +19,7 @@ enum class RawOutcome : std::uint8_t {
   kTaken,
   kUnknown,  // a stream or codec of a newer sensor, or nobody asked for it
   kDuplicate,
-  kContradicting,  // itself, or others of its exposure: these have two senders
+  kContradicting,  // itself, or others of its exposure: lies() counts the latter
   kLate,           // its exposure was finished already
   kOversized,
 };
@@ -82,10 +82,9 @@ class RawAssembler {
     PacketMark mark{};
   };
 
-  bool is_over(const wire::FrameStamp& stamp) const noexcept;
   // Whether its exposure has packets of another sender.
   bool contradicts(const wire::PacketView& packet) const noexcept;
-  Slot& slot_of(const wire::Header& header, Time arrived);
+  Slot* slot_of(const wire::Header& header, Time arrived);
   static RawOutcome place(Slot& slot, const wire::PacketView& packet);
   void finish(Slot& slot);
   void finish_up_to(std::uint64_t order);

@@ -19,9 +19,8 @@ namespace stof::client {
 //    nothing as bad came for 1.2 seconds: a sensor says something once a second.
 // So he costs a second. What gets worse is believed at once, however late, and whoever says it.
 // Whatever he says, the sensor's next report tells it: each change of the conditions is an event,
-// and a report names the newest one. So what is active with one event is no other thing in another
-// report, a later report names no earlier event, and none names one that came long before the
-// event that is known.
+// and a report names the newest one. So two reports that name one event agree on what is active, a
+// later report names no earlier event, and half a second after an event none names an earlier one.
 // No clock: times are the caller's, and never go back.
 class HealthBook {
  public:

@@ -101,7 +101,7 @@ class SessionMessages {
   std::optional<wire::CalibrationPacket> newest_calibration_;  // that was taken
   int changes_ = 0;                      // of that one, since a frame was made with anything else
   Time changed_at_;                      // the last one that counts
-  std::optional<Time> turned_round_at_;  // one that may be the network's
+  std::optional<Time> turned_round_at_;  // a change that the network may have made
   std::uint64_t lies_ = 0;
   std::uint32_t calibration_frame_ = 0;
   Time calibration_at_;

@@ -18,7 +18,7 @@ class StreamVerifier {
 
   enum class Verdict : std::uint8_t {
     kGood,
-    kNotSigned,  // or with a key that is not known here: of another session than the newest is
+    kNotSigned,  // with a key that is not known here, or in another session than the newest key
     kKeyToCome,  // likewise, while an answer with a key, or what an earlier one signed, may come
     kForged,
     kDuplicate,

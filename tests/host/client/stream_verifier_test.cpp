@@ -127,7 +127,8 @@ TEST_F(Verifier, TheKeyBeforeIsGoodUntilTheNext) {
 // A sensor that starts again counts its keys from 1.
 TEST_F(Verifier, TheSameNumberOfAnotherSessionReplacesIt) {
   EXPECT_EQ(judge(1), Verdict::kGood);
-  verifier_.set_key(numbered(5, 9), kSession);
+  session_ = 2;
+  verifier_.set_key(numbered(5, 9), session_);
   EXPECT_EQ(judge(2), Verdict::kForged);
   EXPECT_EQ(judge(1, numbered(5, 9)), Verdict::kGood);
 }
