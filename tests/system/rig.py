@@ -99,8 +99,14 @@ class Receiver:
                 at = max(at, len(self.frames))
                 left = end - time.monotonic()
                 if left <= 0:
-                    raise machine.MachineError(f"no {what} in {timeout} s; {len(self.frames) - since} others came")
+                    raise machine.MachineError(f"no {what} in {timeout} s; {self._told(since)} came")
                 self.condition.wait(left)
+
+    def _told(self, since):
+        """How many others, and how the last three of them were."""
+        others = self.frames[since:]
+        last = ", ".join(f"{frame.get('sensors')} with {frame.get('missing')} tiles missing" for frame in others[-3:])
+        return f"{len(others)} others" + (f" (the last: sensors {last})" if last else "")
 
     def count(self):
         with self.condition:
