@@ -76,9 +76,9 @@ function(stof_add_kernels target)
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized> $<$<CXX_COMPILER_ID:GNU>:-Wno-uninitialized>)
   foreach(source IN LISTS sources)
     if(source MATCHES "_(avx2|avx512)\\.cpp$")
-      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "${${CMAKE_MATCH_1}}")
+      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "${${CMAKE_MATCH_1}}" SKIP_PRECOMPILE_HEADERS ON)
     elseif(STOF_MUTATE_STORES AND source MATCHES "_neon\\.cpp$")
-      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS
+      set_source_files_properties(${source} PROPERTIES SKIP_PRECOMPILE_HEADERS ON COMPILE_OPTIONS
         "-include;${PROJECT_SOURCE_DIR}/tests/support/mutated_stores.h")
     endif()
   endforeach()
@@ -87,6 +87,12 @@ function(stof_add_kernels target)
     target_include_directories(${target} SYSTEM PRIVATE ${SIMDE_INCLUDE_DIR})
     # Byte shuffles, population count, u16 minimum: every x86 processor since 2009.
     target_compile_options(${target} PRIVATE -march=x86-64-v2)
+    # SIMDe takes most of the time of a kernel; the header of ARM's compilers is short. g++ forgets that it is a system's header,
+    # and warns of it.
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+      target_precompile_headers(${target} PRIVATE
+        <algorithm> <array> <bit> <cmath> <cstdint> <cstring> <memory> <span> "${PROJECT_SOURCE_DIR}/dsp/base/simd.h")
+    endif()
   endif()
 endfunction()
 
