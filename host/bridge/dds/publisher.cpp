@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <utility>
 
 #include <dds/dds.h>
 
 #include "host/bridge/dds/cdr_type.h"
+#include "host/bridge/line_limit.h"
 #include "host/bridge/type_hash.h"
 
 namespace stof::bridge {
@@ -29,6 +31,15 @@ std::string configuration(unsigned fragment, unsigned datagram) {
 
 std::string trouble(const std::string& what, dds_return_t code) {
   return what + ": " + dds_strretcode(-code);
+}
+
+// A line for each bad datagram, of any thread.
+void say(void* limit, const dds_log_data_t* data) {
+  const auto text =
+      static_cast<LineLimit*>(limit)->pass({data->message, data->size}, LineLimit::Clock::now());
+  if (text) {
+    std::fputs(("stof: Cyclone DDS: " + *text + "\n").c_str(), stderr);
+  }
 }
 
 using Qos = std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)>;
@@ -56,10 +67,12 @@ struct Publisher::Parts {
     ddsi_sertype* type = nullptr;  // lives as long as the writer
   };
 
+  Parts() { dds_set_log_sink(say, &lines); }
   ~Parts() {
     if (domain > 0) {
       dds_delete(domain);  // and all that is in it
     }
+    dds_set_log_sink(nullptr, nullptr);
   }
 
   std::expected<void, std::string> add(Topic topic, const std::string& name_space) {
@@ -82,6 +95,7 @@ struct Publisher::Parts {
                              : std::expected<void, std::string>();
   }
 
+  LineLimit lines;
   dds_entity_t domain = 0;
   dds_entity_t participant = 0;
   std::array<Writer, kTopics> writers{};

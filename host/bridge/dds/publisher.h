@@ -31,7 +31,8 @@ struct PublisherOptions {
 
 // The topics of one sensor, to whoever reads them in the domain, over Cyclone DDS: reliable writers
 // that keep the newest messages of a topic and never wait for a reader, and type hashes in
-// USER_DATA. CYCLONEDDS_URI adds to the configuration, as usual.
+// USER_DATA. CYCLONEDDS_URI adds to the configuration, as usual. What Cyclone DDS says of it and of
+// the network goes to standard error through a LineLimit, while there is one of these.
 class Publisher final : public TopicSink {
  public:
   // The error: one line.
