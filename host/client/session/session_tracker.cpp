@@ -25,7 +25,9 @@ SessionTracker::Verdict SessionTracker::judge(const wire::Origin& origin, bool t
       refuse(origin, now);
       return Verdict::kForeign;
     }
-    contested_ = contested_ && !current_;  // what was refused may have been of this one
+    if (current_) {  // what was refused may have been of this one
+      contested_at_.reset();
+    }
     outlasts_ = told && told_;
     ended_ = current_ ? std::optional(current_->session_id) : std::nullopt;
     device_id_ = origin.device_id;
@@ -35,8 +37,10 @@ SessionTracker::Verdict SessionTracker::judge(const wire::Origin& origin, bool t
   }
   told_ = told;
   last_heard_ = now;
-  contests_ += contested_ ? 1U : 0U;
-  contested_ = false;
+  if (contested_at_ && now - *contested_at_ >= 2 * kTurnedRound) {
+    ++contests_;
+    contested_at_.reset();
+  }
   return verdict;
 }
 
@@ -45,7 +49,9 @@ void SessionTracker::refuse(const wire::Origin& origin, Time now) {
   const bool just_ended = ended_ == origin.session_id && now - began_ < kSilence;
   const std::optional<std::uint32_t> device =
       expected_ ? std::optional(expected_->device_id) : device_id_;
-  contested_ = contested_ || (device == origin.device_id && !just_ended);
+  if (!contested_at_ && device == origin.device_id && !just_ended) {
+    contested_at_ = now;
+  }
 }
 
 }  // namespace stof::client

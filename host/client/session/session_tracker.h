@@ -35,8 +35,9 @@ class SessionTracker {
   const std::optional<wire::Origin>& current() const noexcept { return current_; }
   // The sensor itself told the current one and the one before: what was learned of it then holds.
   bool outlasts() const noexcept { return outlasts_; }
-  // How often the current session went on after a packet of another one of this device, which it
-  // had not just ended: one of the two is somebody else's.
+  // How often the current session went on for longer than networks turn packets round
+  // (kTurnedRound, twice) after a packet of another one of this device, which it had not just
+  // ended: one of the two is somebody else's.
   std::uint64_t contests() const noexcept { return contests_; }
 
  private:
@@ -50,7 +51,7 @@ class SessionTracker {
   Time last_heard_;
   std::optional<std::uint32_t> ended_;  // the session before
   Time began_;                          // the current one
-  bool contested_ = false;
+  std::optional<Time> contested_at_;    // since the last one that counted
   std::uint64_t contests_ = 0;
 };
 
