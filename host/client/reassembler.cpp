@@ -132,7 +132,7 @@ FrameSequence::Verdict Reassembler::judge(const wire::Header& header, Time arriv
   const Verdict verdict = sequence_.judge(header.frame, arrived);
   if (verdict == Verdict::kResynchronised) {
     drop_open();
-    closed_count_ = 0;
+    closed_.forget();
     ++statistics_.resynchronised;
   }
   if (verdict == Verdict::kResynchronised || verdict == Verdict::kImplausible) {
@@ -200,7 +200,7 @@ void Reassembler::start_session() {
   statistics_.events_dropped += messages_.restart(session_.outlasts());
   sequence_ = {};
   delay_.restart();
-  closed_count_ = 0;
+  closed_.forget();
   parity_ = false;
 }
 
@@ -233,11 +233,21 @@ void Reassembler::push_part(const wire::PacketView& packet, Time arrived) {
   }
   delay_.note(header.frame, arrived, is_signed() ? options_.verifier->good_number() : 0,
               2 * assumed_period() + max_age());
-  parity_ = parity_ || slot.parity();
-  if (slot.parity()) {
+  if (header.type == wire::PacketType::kFrameInfo) {
+    note_info(slot, arrived);
+  } else if (slot.parity()) {
     repair(slot, slot.group_of(header.index), arrived);
   }
   close_if_complete(slot);
+}
+
+// It says whether there is parity; what waited for that is made now.
+void Reassembler::note_info(FrameSlot& slot, Time now) {
+  parity_ = !slot.told_no_parity();
+  forgeries_ += slot.drop_false_parity() ? 1U : 0U;
+  for (std::size_t group = 0; group < slot.parity_sums(); ++group) {
+    repair(slot, group, now);
+  }
 }
 
 void Reassembler::push_parity(const wire::PacketView& packet, Time arrived) {
@@ -248,7 +258,6 @@ void Reassembler::push_parity(const wire::PacketView& packet, Time arrived) {
   }
   switch (judge(packet.header, arrived)) {
     case FrameSequence::Verdict::kOver:
-      parity_ = true;
       count_closed_parity(packet);
       return;
     case FrameSequence::Verdict::kImplausible:
@@ -257,7 +266,6 @@ void Reassembler::push_parity(const wire::PacketView& packet, Time arrived) {
     default:
       break;
   }
-  parity_ = true;
   wire::Header part = packet.header;  // as one of the parts that are missing
   part.count = fields->count;
   FrameSlot& slot = open(part, arrived);
@@ -272,7 +280,8 @@ void Reassembler::push_parity(const wire::PacketView& packet, Time arrived) {
 
 // What parity makes good is judged like what arrives.
 void Reassembler::repair(FrameSlot& slot, std::size_t group, Time now) {
-  const std::optional<wire::PacketView> packet = slot.recover(group);
+  const std::optional<wire::PacketView> packet =
+      slot.has_parity(group, parity_) ? slot.recover(group) : std::nullopt;
   if (!packet || contradicts_itself(*packet) || pixels(packet->header) > options_.max_pixels) {
     return;
   }
@@ -290,40 +299,33 @@ void Reassembler::close_if_complete(FrameSlot& slot) {
   }
 }
 
-Reassembler::Closed* Reassembler::closed(std::uint32_t number) {
-  for (std::size_t i = 0; i < std::min(closed_count_, kClosed); ++i) {
-    if (closed_[i].number == number) {
-      return &closed_[i];
-    }
-  }
-  return nullptr;
-}
-
 void Reassembler::refuse_closed(const wire::PacketView& packet) {
-  const Closed* const frame = closed(packet.header.frame.number);
-  if (frame == nullptr) {
+  using Verdict = ClosedFrames::Verdict;
+  const Verdict verdict = closed_.judge_part(packet);
+  if (verdict == Verdict::kForgotten) {
     pace_.interrupt();
   }
-  const bool known = frame != nullptr && frame->packets.has(packet.header.index);
-  if (sequence_.contradicts(packet) ||
-      (known && frame->packets.differs(packet.header.index, packet))) {
+  if (verdict == Verdict::kContradicting || sequence_.contradicts(packet)) {
     count(Placed::kContradicting);
   } else {
-    ++(known ? statistics_.duplicate : statistics_.late);
+    ++(verdict == Verdict::kRepeated ? statistics_.duplicate : statistics_.late);
   }
 }
 
-// The parity of a whole frame comes after it and is as it should be.
 void Reassembler::count_closed_parity(const wire::PacketView& packet) {
-  const std::size_t group = packet.header.index;
-  Closed* const frame = closed(packet.header.frame.number);
-  if (frame == nullptr || group >= frame->parity_groups) {
-    ++statistics_.late;
-  } else if (frame->parity.has(group)) {
-    count(frame->parity.differs(group, packet) ? Placed::kContradicting : Placed::kDuplicate);
-  } else {
-    frame->parity.insert(group, packet);
-    ++(frame->whole ? statistics_.packets_ok : statistics_.late);
+  switch (closed_.judge_parity(packet)) {
+    case ClosedFrames::Verdict::kContradicting:
+      count(Placed::kContradicting);
+      break;
+    case ClosedFrames::Verdict::kRepeated:
+      ++statistics_.duplicate;
+      break;
+    case ClosedFrames::Verdict::kInOrder:
+      ++statistics_.packets_ok;
+      break;
+    default:
+      ++statistics_.late;
+      break;
   }
 }
 
@@ -366,12 +368,7 @@ void Reassembler::close(FrameSlot& slot) {
   statistics_.frames_lost += sequence_.close(number);
   statistics_.packets_missing += slot.missing_packets();
   sequence_.remember(slot.packets().mark(number));
-  closed_[closed_count_++ % kClosed] = {.number = number,
-                                        .packets = slot.packets(),
-                                        .parity = slot.parity_packets(),
-                                        .parity_groups = wire::parity_groups(slot.count()),
-                                        .whole = slot.complete()};
-
+  closed_.add(slot);
   if (!sequence_.advance(slot.freshness(), slot.last_packet())) {
     pace_.interrupt();
     drop(slot, &Statistics::frames_stale);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "firmware/wire/packet.h"
+#include "host/client/frame/closed_frames.h"
 #include "host/client/frame/frame.h"
 #include "host/client/frame/frame_slot.h"
 #include "host/client/reassembler_options.h"
@@ -28,9 +29,10 @@ namespace stof::client {
 //  - when a packet of frame n + 2 or later arrives, or
 //  - by expire().
 // Where the sender adds parity, a part that is missing is made of the others and the group's parity
-// packet as soon as these are there: it counts as recovered, and not as missing. A stream that was
-// joined in the middle of a frame begins to be repaired with the next one.
-// No clock and no socket: times are the caller's, and must not go back.
+// packet as soon as these are there: it counts as recovered, and not as missing. Whether it does
+// the frame's info says; where that is missing, the newest one: a parity packet proves nothing. A
+// stream that was joined in the middle of a frame begins to be repaired with the next one. No clock
+// and no socket: times are the caller's, and must not go back.
 class Reassembler {
  public:
   explicit Reassembler(const ReassemblerOptions& options = {});
@@ -68,6 +70,14 @@ class Reassembler {
   // Frames that came too late, by their stamps.
   std::uint64_t late_frames() const noexcept { return late_frames_; }
   FrameDelay& delay() noexcept { return delay_; }
+  // For how long this machine has slept since its start: the clock of arrivals stood, the sensor's
+  // counters did not.
+  void slept(Duration total) noexcept {
+    const Duration more = total - delay_.slept();
+    sequence_.slept(more);
+    messages_.slept(more);
+    delay_.slept(total);
+  }
   // Of the sensor's trigger, as it tells and frames come (FramePace), where it is signed as it
   // tells; 0: not known.
   Duration period() const;
@@ -88,16 +98,7 @@ class Reassembler {
   RawAssembler& raw() noexcept { return messages_.raw(); }
 
  private:
-  static constexpr std::size_t kSlots = 4;   // two open, two finished or one finished and one out
-  static constexpr std::size_t kClosed = 2;  // frames whose packets are still told apart
-
-  struct Closed {
-    std::uint32_t number = 0;
-    PacketSet packets;
-    PacketSet parity;
-    std::uint16_t parity_groups = 0;
-    bool whole = false;
-  };
+  static constexpr std::size_t kSlots = 4;  // two open, two finished or one finished and one out
 
   // Nobody else can have sent what is used.
   bool is_signed() const noexcept { return options_.verifier != nullptr; }
@@ -113,9 +114,9 @@ class Reassembler {
   void count(MessageOutcome outcome);
   bool count(Placed placed);  // whether something was added
   bool comes_late(const FrameSlot& slot);
-  Closed* closed(std::uint32_t number);
   void refuse_closed(const wire::PacketView& packet);
   void count_closed_parity(const wire::PacketView& packet);
+  void note_info(FrameSlot& slot, Time now);
   void repair(FrameSlot& slot, std::size_t group, Time now);
   void close_if_complete(FrameSlot& slot);
   FrameSlot& open(const wire::Header& header, Time now);
@@ -140,10 +141,9 @@ class Reassembler {
   // The state of the session.
   FrameSequence sequence_;
   FrameDelay delay_;
-  bool parity_ = false;  // the sender uses it
+  bool parity_ = false;  // the newest frame info says so
   SessionMessages messages_;
-  std::array<Closed, kClosed> closed_;
-  std::size_t closed_count_ = 0;
+  ClosedFrames closed_;
 };
 
 }  // namespace stof::client

@@ -14,9 +14,10 @@ namespace {
 
 // Read before the time is looked at: a frame is up to 4,000 datagrams.
 constexpr std::size_t kLeastBatches = 4096 / posix::DatagramBatch::kMost;
-// What was sent before the sensor had no place left for us, or signed with an earlier key, may
-// still be on its way.
+// So long may be on its way what was sent before the sensor had no place left for us, and what was
+// signed with an earlier key, of a sensor that started again too.
 constexpr Duration kOnTheWay = std::chrono::milliseconds(500);
+constexpr Duration kFormerKeys = std::chrono::seconds(1);
 constexpr Duration kForever = std::chrono::hours(24 * 365);  // keeps sums of times in range
 
 }  // namespace
@@ -90,7 +91,7 @@ struct Receiver::Parts {
       const std::uint64_t verified = verifier.good();
       const std::uint64_t doubtful = doubtful_packets();
       verifier.await_key(subscription &&
-                         (subscription->awaits_answer() || now - key_since < kOnTheWay));
+                         (subscription->awaits_answer() || now - key_since < kFormerKeys));
       reassembler.push(datagram, arrived, now);
       if (subscription && doubtful_packets() > doubtful) {
         subscription->doubt(now);
@@ -211,7 +212,7 @@ Result<Frame> Receiver::Parts::receive(Duration timeout) {
     read = *got;
     next = 0;
     slept = time_asleep(slept);
-    reassembler.delay().slept(slept);
+    reassembler.slept(slept);
     if (read > 0) {
       if (subscription && !subscription->signs()) {  // else anybody could keep it from asking
         subscription->heard(std::chrono::steady_clock::now());

@@ -60,6 +60,7 @@ void FrameSlot::begin(const wire::Header& header, bool parity, Time now) {
   recovered_ = 0;
   packets_.begin(header.count);
   parity_packets_.begin(wire::parity_groups(header.count));
+  parity_arrived_ = 0;
   groups_.clear();
   if (parity) {
     begin_parity();
@@ -119,10 +120,11 @@ Placed FrameSlot::add_info(const wire::PacketView& part) {
 
 Placed FrameSlot::add_parity(const wire::PacketView& packet, Time now) {
   const Result<wire::ParityFields> fields = wire::decode_parity_fields(packet.payload);
-  if (!fields || fields->count != header_.count || !agrees(packet.header.frame)) {
+  const std::size_t group = packet.header.index;
+  if (!fields || fields->count != header_.count || !agrees(packet.header.frame) ||
+      !has_parity(group, true)) {
     return Placed::kContradicting;
   }
-  const std::size_t group = packet.header.index;
   if (parity_packets_.has(group)) {
     return parity_packets_.differs(group, packet) ? Placed::kContradicting : Placed::kDuplicate;
   }
@@ -134,8 +136,24 @@ Placed FrameSlot::add_parity(const wire::PacketView& packet, Time now) {
     return Placed::kContradicting;
   }
   parity_packets_.insert(group, packet);
+  ++parity_arrived_;
   last_packet_ = now;
   return Placed::kStored;
+}
+
+bool FrameSlot::has_parity(std::size_t group, bool told) const noexcept {
+  constexpr std::size_t kOrMore = 255;
+  return info_ ? group < info_->parity_groups || info_->parity_groups == kOrMore : told;
+}
+
+bool FrameSlot::drop_false_parity() {
+  if (!told_no_parity() || parity_arrived_ == 0) {
+    return false;
+  }
+  groups_.clear();
+  parity_packets_.begin(wire::parity_groups(header_.count));
+  parity_arrived_ = 0;
+  return true;
 }
 
 std::optional<wire::PacketView> FrameSlot::recover(std::size_t group) const {

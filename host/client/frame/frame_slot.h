@@ -80,6 +80,12 @@ class FrameSlot {
   // Whether sums are kept, and of what group a part is. Only then.
   bool parity() const noexcept { return !groups_.empty(); }
   std::size_t group_of(std::size_t index) const noexcept { return index % groups_.size(); }
+  std::size_t parity_sums() const noexcept { return groups_.size(); }
+  // Whether parity of a group goes with this frame: as its info says; before that came, as `told`.
+  bool has_parity(std::size_t group, bool told) const noexcept;
+  bool told_no_parity() const noexcept { return info_ && info_->parity_groups == 0; }
+  // Its info says that there is none: what came of it is forgotten; true: something did.
+  bool drop_false_parity();
 
   // Makes none of every pixel that did not arrive; before view().
   void finish() { pixels_.finish(); }
@@ -121,6 +127,7 @@ class FrameSlot {
   std::uint32_t recovered_ = 0;
   PacketSet packets_;
   PacketSet parity_packets_;
+  std::size_t parity_arrived_ = 0;
   std::vector<wire::ParityGroup> groups_;  // empty: no sums are kept
   FramePixels pixels_;
   std::optional<wire::FrameInfo> info_;

@@ -27,6 +27,7 @@ class FrameDelay {
 
   // For how long this machine has slept since its start: the clock of arrivals stood.
   void slept(Duration total) noexcept { slept_ = total; }
+  Duration slept() const noexcept { return slept_; }
   // Another session, another clock.
   void restart() noexcept;
 

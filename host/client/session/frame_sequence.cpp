@@ -57,7 +57,9 @@ bool FrameSequence::over(std::uint32_t number) const noexcept {
 }
 
 bool FrameSequence::passed_over(std::uint32_t number, Time arrived) noexcept {
-  if (newest_ && *newest_ - number < kRemembered && begun_.test(number % kRemembered)) {
+  const std::size_t at = number % kRemembered;
+  if (newest_ && *newest_ - number < kRemembered &&
+      (begun_.test(at) || arrived - passed_at_[at] < kSpread)) {
     return false;
   }
   if (!passed_ || arrived - passed_->since >= kPatience) {
@@ -93,9 +95,11 @@ bool FrameSequence::begin(std::uint32_t number, Time arrived) noexcept {
   }
   if (!newest_ || number - *newest_ >= kRemembered) {
     begun_ = newest_ ? std::bitset<kRemembered>() : ~std::bitset<kRemembered>();  // nobody listened
+    passed_at_.fill(arrived);
   } else {
     for (std::uint32_t skipped = *newest_ + 1; skipped != number; ++skipped) {
       begun_.reset(skipped % kRemembered);
+      passed_at_[skipped % kRemembered] = arrived;
     }
   }
   begun_.set(number % kRemembered);

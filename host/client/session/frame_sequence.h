@@ -17,9 +17,9 @@ namespace stof::client {
 // what is known is wrong nevertheless, because the first packet was the forged one, it is forgotten
 // after a second without a fresh frame, for a stream whose numbers and freshness both advance:
 // what repeats itself is never taken for new.
-// A network brings packets of a frame late, but whole frames behind newer ones hardly ever: where
-// three come within a second whose numbers were passed over, two senders count. So they do where
-// a packet comes of a frame that was made of others.
+// Two senders count where a packet comes of a frame that was made of others, and where three frames
+// come within a second whose numbers were passed over: half a second ago or more, for bad networks
+// bring all packets of a small frame behind those of newer ones.
 class FrameSequence {
  public:
   static constexpr Duration kPatience = std::chrono::seconds(1);
@@ -31,6 +31,12 @@ class FrameSequence {
     kImplausible,     // too far ahead
     kResynchronised,  // believed: what was known of the order is forgotten
   };
+
+  // The clock of arrivals stood for so long.
+  void slept(Duration time) noexcept {
+    newest_at_ -= time;
+    fresh_at_ = fresh_at_ ? std::optional(*fresh_at_ - time) : std::nullopt;
+  }
 
   // Of a packet of a frame that arrived then.
   Verdict judge(const wire::FrameStamp& stamp, Time arrived) noexcept;
@@ -68,6 +74,7 @@ class FrameSequence {
     int frames = 0;
   };
   static constexpr std::uint32_t kRemembered = 256;
+  static constexpr Duration kSpread = std::chrono::milliseconds(500);
 
   bool over(std::uint32_t number) const noexcept;
   // A packet came of a frame that is over: whether it belongs to a second sender.
@@ -82,6 +89,7 @@ class FrameSequence {
   std::optional<Time> fresh_at_;            // when it arrived; before the first: when we began
   std::optional<Trail> trail_;
   std::bitset<kRemembered> begun_;             // of the newest numbers, by their remainder
+  std::array<Time, kRemembered> passed_at_{};  // likewise: when newer ones came before it
   std::array<PacketMark, kRemembered> marks_;  // likewise
   std::optional<Passed> passed_;
 };

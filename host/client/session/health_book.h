@@ -37,6 +37,8 @@ class HealthBook {
   void note_event(const wire::EventReport& event, Time arrived) noexcept;
   // A session begins; lies() goes on.
   void restart() noexcept;
+  // The clock of arrivals stood for so long.
+  void slept(Duration time) noexcept { newest_at_ -= time; }
 
   const std::optional<wire::HealthReport>& current() const noexcept { return current_; }
   Time at() const noexcept { return current_at_; }  // its arrival; only where there is one

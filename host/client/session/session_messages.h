@@ -63,6 +63,9 @@ class SessionMessages {
   // overflow: an older event was given up for it.
   MessageOutcome push_event(const wire::PacketView& packet, Time arrived, bool& overflow);
 
+  // The clock of arrivals stood for so long.
+  void slept(Duration time) noexcept { health_.slept(time); }
+
   // LensBook::current().
   const std::optional<wire::CalibrationPacket>& calibration() const noexcept {
     return calibration_;

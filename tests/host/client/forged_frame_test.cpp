@@ -87,21 +87,52 @@ TEST_F(ForgedFrame, OneOfAnotherExposureIsTold) {
   EXPECT_GT(reassembler_.forgeries(), 0U);
 }
 
-// Whoever is ahead makes the sensor's frames old.
+// Whoever is ahead makes the sensor's frames old. What he is less ahead is found when the sensor
+// comes to his numbers, the rest when its frames were passed over for half a second.
 TEST_F(ForgedFrame, FramesThatWerePassedOverAreTold) {
-  for (const std::uint32_t lead : {3U, 8U, 120U, 128U}) {
+  for (const std::uint32_t lead : {3U, 8U, 16U, 120U, 128U}) {
     reassembler_ = Reassembler();
     push(parts(1, 1));
-    for (std::uint32_t number = 2; number < 5; ++number) {
-      EXPECT_EQ(reassembler_.forgeries(), 0U) << lead << " " << number;
-      EXPECT_EQ(push(parts(number + lead, 77)), 1);
-      EXPECT_EQ(push(parts(number, number)), 0);
+    const Time begin = now_;
+    for (std::uint32_t number = 2; reassembler_.forgeries() == 0; ++number) {
+      ASSERT_LT(now_ - begin, milliseconds(700)) << lead;
+      push(parts(number + lead, 77));
+      now_ -= milliseconds(33);
+      push(parts(number, number));
     }
-    EXPECT_GT(reassembler_.forgeries(), 0U) << lead;
   }
 }
 
-// Where the way of a packet takes up to six periods, frames lie in each other.
+// He makes only each fourth number, so that he is further ahead with each frame.
+TEST_F(ForgedFrame, FramesThatSomebodyCountsFasterAreTold) {
+  push(parts(1, 1));
+  const Time begin = now_;
+  for (std::uint32_t number = 2; reassembler_.forgeries() == 0; ++number) {
+    ASSERT_LT(now_ - begin, milliseconds(700));
+    push(parts(4 * number, 77));
+    now_ -= milliseconds(33);
+    push(parts(number, number));
+  }
+}
+
+// A few packets a frame, 50 frames a second, each packet up to 250 ms on its way.
+TEST_F(ForgedFrame, SmallFramesOfABadNetworkAreNoForgery) {
+  std::mt19937 random(5);                  // NOLINT: the same order in each run
+  std::multimap<unsigned, Datagram> sent;  // by when it comes, ms
+  for (std::uint32_t number = 50; number < 1550; ++number) {
+    std::vector<Datagram> packets = parts(number, number);
+    for (std::size_t k = 0; k < 2; ++k) {
+      sent.emplace(number * 20 + random() % 250, std::move(packets[k]));
+    }
+  }
+  for (const auto& [at_ms, packet] : sent) {
+    reassembler_.push(packet, kStart + milliseconds(at_ms), kStart + milliseconds(at_ms));
+    static_cast<void>(reassembler_.take());
+  }
+  EXPECT_GT(reassembler_.statistics().late, 1000U);
+  EXPECT_EQ(reassembler_.forgeries(), 0U);
+}
+
 // However far he is ahead, and whichever packet of a frame he makes.
 TEST_F(ForgedFrame, FramesThatSomebodyGoesOnMakingAheadOfTheSensorAreTold) {
   for (const std::uint32_t lead : {2U, 3U, 8U, 60U}) {
@@ -138,6 +169,7 @@ TEST_F(ForgedFrame, WhatTheNetworkRepeatsLongAfterItsFrameIsNoForgery) {
   EXPECT_EQ(reassembler_.forgeries(), 0U);
 }
 
+// Where the way of a packet takes up to six periods, frames lie in each other.
 TEST_F(ForgedFrame, LatePacketsOfFramesThatBeganAreNoForgery) {
   std::mt19937 random(3);                  // NOLINT: the same order in each run
   std::multimap<unsigned, Datagram> sent;  // by when it comes, ms
@@ -166,17 +198,54 @@ TEST_F(ForgedFrame, WhatComesAfterParityMadeItGoodIsNoForgery) {
   EXPECT_EQ(reassembler_.forgeries(), 0U);
 }
 
-// Who sends parity where the sensor sends none fills the gap that the sensor is about to fill.
-TEST_F(ForgedFrame, WhatForgedParityMakesIsTold) {
-  push({parts(1, 1, true).back()});
-  std::vector<Datagram> packets = parts(2, 2);
-  const Datagram sent = packets[3];
-  packets.erase(packets.begin() + 3);
-  packets.push_back(parts(2, 2, true).back());
-  EXPECT_EQ(push(packets), 1);  // its info had another number of parity's groups: pixels differ
+// Who sends parity where the sensor sends none fills the gaps that the network left.
+TEST_F(ForgedFrame, ParityOfAFrameThatHasNoneIsToldAndMakesNothing) {
+  for (const bool first : {true, false}) {
+    for (std::size_t k = 1; k < 4; ++k) {
+      reassembler_ = Reassembler();
+      EXPECT_EQ(push(parts(1, 1)), 1);
+      std::vector<Datagram> packets = parts(2, 2);
+      packets.erase(packets.begin() + 3);  // lost
+      const Datagram forged = parts(2, 77, true).back();
+      packets.insert(packets.begin() + (first ? 0 : static_cast<int>(k)), forged);
+      EXPECT_EQ(push(packets), 0);
+      EXPECT_EQ(push(parts(3, 3)), 1);
+      EXPECT_EQ(reassembler_.statistics().recovered, 0U);
+      EXPECT_GT(reassembler_.forgeries(), 0U) << first << k;
+      const std::uint64_t before = reassembler_.forgeries();
+      push({parts(3, 77, true).back()});  // of a frame that is over
+      EXPECT_GT(reassembler_.forgeries(), before);
+    }
+  }
+}
+
+// Nor where the frame's info is lost: the newest one told of none.
+TEST_F(ForgedFrame, ParityThatNoInfoTellsOfMakesNothing) {
+  EXPECT_EQ(push(parts(1, 1, true)), 1);
+  EXPECT_EQ(push(parts(2, 2)), 1);
+  for (std::uint32_t number = 3; number < 10; ++number) {
+    std::vector<Datagram> packets = parts(number, number);
+    packets.erase(packets.begin());
+    packets.push_back(parts(number, 77, true).back());
+    push(packets);
+  }
+  EXPECT_EQ(reassembler_.statistics().recovered, 0U);
+}
+
+// Its clock stood, the sensor's counters did not.
+TEST_F(ForgedFrame, AMachineThatSleepsTakesNothingForForged) {
+  reassembler_.slept(std::chrono::hours(3));  // before this stream
+  std::uint32_t number = 1;
+  for (; number < 20; ++number) {
+    EXPECT_EQ(push(parts(number, number)), 1);
+  }
+  for (Duration slept = std::chrono::hours(3); number < 1000; number += 300) {
+    slept += milliseconds(300 * 33);
+    reassembler_.slept(slept);
+    EXPECT_EQ(push(parts(number, number)), 1) << number;
+  }
+  EXPECT_EQ(reassembler_.statistics().implausible, 0U);
   EXPECT_EQ(reassembler_.forgeries(), 0U);
-  push({sent});
-  EXPECT_GT(reassembler_.forgeries(), 0U);
 }
 
 // Whoever does not run for a while finds what came meanwhile in the socket.

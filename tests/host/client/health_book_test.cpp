@@ -53,6 +53,15 @@ class Healths : public testing::Test {
   HealthBook book_;
 };
 
+// Its clock stood, the sensor's did not.
+TEST_F(Healths, AMachineThatSleptBelievesTheNextReport) {
+  good(10s);
+  EXPECT_EQ(good(10500ms, 20s), Verdict::kImplausible);
+  book_.slept(20s);
+  EXPECT_EQ(good(10600ms, 20s), Verdict::kTaken);
+  EXPECT_EQ(book_.lies(), 0U);
+}
+
 TEST_F(Healths, WhatHealsIsBelievedAtOnce) {
   good(10s);
   stop(10300ms);
