@@ -31,7 +31,7 @@ CASE_LINES = 20
 CASES_SHOWN = 10
 # Build presets that share the folder of another one.
 CONFIGURED_AS = {"emu-rest": "emu", "gcc-tests": "gcc", "arm64-kernels": "arm64", "arm64-host": "arm64",
-                 "asan-commands": "emu-asan"}
+                 "asan-rest": "emu-asan"}
 FUZZ_RUNS = 20_000  # of each target; scripts/fuzz alone does more
 
 
@@ -337,7 +337,7 @@ STEPS = {
     "gcc": tested("gcc"),
     "arm64": arm64("arm64", "check_vector_code"),
     "system": system("short"),
-    "asan-commands": tested("asan-commands"),
+    "asan-rest": tested("asan-rest"),
     "mutation": plain(mutation),
     "arm64-host": arm64("arm64-host"),
     "arm64-ubsan": arm64("arm64-ubsan"),
@@ -354,7 +354,7 @@ SHORT = ("format", "layers", "emu", "arm64-kernels", "boards")
 # Of every change: each test once as x86 code, with sanitizers where they are no burden. Step arm64 has the kernels, too.
 CI = ("format", "layers", "emu-rest", "boards", "tidy", "emu-asan", "gcc", "arm64", "system")
 ALL = tuple("emu" if step == "emu-rest" else step for step in CI) + (
-    "asan-commands", "mutation", "arm64-host", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long", "calib", "image",
+    "asan-rest", "mutation", "arm64-host", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long", "calib", "image",
              "package")
 
 

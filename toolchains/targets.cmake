@@ -107,6 +107,7 @@ set(STOF_TEST_OPTIONS -O0)
 set(STOF_LABELLED_TEST_OPTIONS -O1)
 # Nor do they tell lines but where sanitizers print them.
 string(TOUPPER "${CMAKE_BUILD_TYPE}" STOF_BUILD_TYPE)
+set(STOF_SANITIZED OFF)
 if(CMAKE_CXX_FLAGS_${STOF_BUILD_TYPE} MATCHES "-fsanitize")
   set(STOF_SANITIZED ON)
 else()
@@ -117,7 +118,7 @@ endif()
 # stof_add_test(NAME sad_test SOURCES ... LIBRARIES ... [LABELS kernel]): a GoogleTest program. ctest runs it whole, as one test
 # of its name (a process for each of 3,000 cases, and their list made by every program, took a third of a run with sanitizers), through
 # the emulator where the build is a cross build; scripts/test counts its cases from cases/NAME.xml.
-# LABELS kernel: runs at every level of vectors (tests/support/kernel_check.h).
+# LABELS kernel: runs at every level of vectors (tests/support/kernel_check.h). With sanitizers stof_kernel_tests alone builds it.
 # LABELS slow: seconds on scenes or recorded data; left out where it would be minutes (sanitizers, qemu: not even built).
 # LABELS scenes: renders scenes, in floating point; left out of qemu. What is called ...OnEveryMachine runs there too.
 # HOST_CASES Suite.Case[:Suite.Case]: these are a test of their own, NAME.host, with label `host`. They take seconds of plain C++,
@@ -136,6 +137,7 @@ function(stof_add_test)
   if(ARG_LABELS STREQUAL "kernel")
     set(main stof_kernel_check)
     add_dependencies(stof_kernel_tests ${ARG_NAME})
+    set_target_properties(${ARG_NAME} PROPERTIES EXCLUDE_FROM_ALL ${STOF_SANITIZED})
   endif()
   if(ARG_LABELS MATCHES "^(kernel|slow)$" OR ARG_SLOW_CASES)
     add_dependencies(stof_rest_tests ${ARG_NAME})
