@@ -97,7 +97,15 @@ TEST(SubscribedReceiver, BelievesNoSessionThatNoAnswerNamed) {
   EXPECT_EQ(frame->origin.session_id, 1U);
   EXPECT_EQ(receiver.statistics().sessions, 1U);
   EXPECT_EQ(receiver.statistics().foreign, 13U);
-  EXPECT_TRUE(receiver.link().forged_traffic);
+  // Not what the sensor sent before it started again: its own session goes on.
+  std::uint32_t number = 2;
+  for (; number < 100 && !receiver.link().forged_traffic; ++number) {
+    send_frame(sensor, number);
+    EXPECT_TRUE(receiver.next(10s));
+    std::this_thread::sleep_for(20ms);
+  }
+  EXPECT_LT(number, 100U);
+  EXPECT_EQ(receiver.statistics().sessions, 1U);
 }
 
 TEST(SubscribedReceiver, TheFourthOfAHostKnowsWhyNothingComes) {
