@@ -72,7 +72,7 @@ TEST_F(ForgedFrame, AWholeOneBeforeTheSensorsIsTold) {
 }
 
 TEST_F(ForgedFrame, OnePacketOfItBeforeTheSensorsIsTold) {
-  std::vector<Datagram> packets = parts(2, 2);
+  const std::vector<Datagram> packets = parts(2, 2);
   EXPECT_EQ(push({parts(2, 77)[1]}), 0);
   EXPECT_EQ(reassembler_.forgeries(), 0U);
   push(packets);
