@@ -368,6 +368,9 @@ void Reassembler::close(FrameSlot& slot) {
   statistics_.frames_lost += sequence_.close(number);
   statistics_.packets_missing += slot.missing_packets();
   sequence_.remember(slot.packets().mark(number));
+  if (slot.missing_packets() == slot.count()) {
+    sequence_.pass(number, slot.last_packet());
+  }
   closed_.add(slot);
   if (!sequence_.advance(slot.freshness(), slot.last_packet())) {
     pace_.interrupt();

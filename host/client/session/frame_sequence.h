@@ -50,6 +50,11 @@ class FrameSequence {
   // The frame, newer than all that were closed, gets no more packets: how many numbers before it
   // were never seen.
   std::uint32_t close(std::uint32_t number) noexcept;
+  // It was closed without a part of it, with parity alone: newer ones have passed it over.
+  void pass(std::uint32_t number, Time now) noexcept {
+    begun_.reset(number % kRemembered);
+    passed_at_[number % kRemembered] = now;
+  }
   // A packet that it was made of.
   void remember(const PacketMark& mark) noexcept { marks_[mark.number % kRemembered] = mark; }
   // Whether a packet of a frame that is over has another sender than the frame.

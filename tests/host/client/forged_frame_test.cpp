@@ -115,6 +115,22 @@ TEST_F(ForgedFrame, FramesThatSomebodyCountsFasterAreTold) {
   }
 }
 
+// He begins each of the next numbers with parity alone, of which nothing is remembered.
+TEST_F(ForgedFrame, NumbersThatParityAloneHasTakenAreTold) {
+  push(parts(1, 1));
+  for (std::uint32_t number = 2; number < 100; ++number) {
+    push({parts(number, 77, true).back()});
+    now_ -= milliseconds(33);
+  }
+  const Time begin = now_;
+  for (std::uint32_t number = 2; reassembler_.forgeries() == 0; ++number) {
+    ASSERT_LT(now_ - begin, milliseconds(700));
+    push(parts(number + 98, 77));
+    now_ -= milliseconds(33);
+    push(parts(number, number));
+  }
+}
+
 // A few packets a frame, 50 frames a second, each packet up to 250 ms on its way.
 TEST_F(ForgedFrame, SmallFramesOfABadNetworkAreNoForgery) {
   std::mt19937 random(5);                  // NOLINT: the same order in each run
