@@ -22,6 +22,7 @@
 #include "host/cli/recording/reading_progress.h"
 #include "host/cli/sensor/find_sensor.h"
 #include "host/cli/sensor_text.h"
+#include "host/client/printable.h"
 #include "host/recording/frame_messages.h"
 #include "host/recording/recording.h"
 #include "host/text/printed.h"

@@ -57,7 +57,8 @@ std::string schema_of(const recording::Summary& summary, const mcap::Channel& ch
 
 std::string info_text(const std::string& file, const recording::Summary& summary) {
   const mcap::Statistics& all = summary.index.statistics;
-  std::string text = file + ": " + file_state_text(summary.state, summary.damaged) + "\n";
+  std::string text =
+      client::printable(file) + ": " + file_state_text(summary.state, summary.damaged) + "\n";
   text += all.message_count == 0
               ? std::string("  no messages")
               : printed("  %.1f s from %s", seconds_of(all), time_text(all.start_time).c_str());

@@ -20,6 +20,7 @@
 #include "host/cli/stop_signal.h"
 #include "host/cli/view/raw_files.h"
 #include "host/cli/view/status_line.h"
+#include "host/client/printable.h"
 #include "host/recording/recorder.h"
 #include "host/recording/session_recording.h"
 #include "host/text/printed.h"
@@ -212,7 +213,8 @@ void print_json(const RecordOptions& options, const Recording& session,
 std::string written_line(const RecordOptions& options, const Recording& session,
                          const recording::Recorder::Ended& ended) {
   const std::uint64_t left_out = session.received() - ended.frames;
-  return printed("wrote %s: %llu frames, %llu messages, %.1f MB", options.file.c_str(),
+  return printed("wrote %s: %llu frames, %llu messages, %.1f MB",
+                 client::printable(options.file.string()).c_str(),
                  static_cast<unsigned long long>(ended.frames),
                  static_cast<unsigned long long>(ended.statistics.message_count),
                  static_cast<double>(ended.bytes) / kMegabyte) +

@@ -9,6 +9,7 @@
 #include "host/cli/output.h"
 #include "host/cli/recording/damage_text.h"
 #include "host/cli/recording/reading_progress.h"
+#include "host/client/printable.h"
 #include "host/recording/mcap/recover.h"
 #include "host/text/printed.h"
 
@@ -27,14 +28,16 @@ void recover(const RecoverOptions& options) {
         in_place ? mcap::recover(options.file, progress.callback())
                  : mcap::recover(options.file, options.out, existing, progress.callback()));
   }();
-  const std::string file = (in_place ? options.file : options.out).string();
+  const std::string name = (in_place ? options.file : options.out).string();
+  const std::string file = client::printable(name);
   if (options.json) {
-    const nlohmann::ordered_json json{{"file", file},
+    const nlohmann::ordered_json json{{"file", name},
                                       {"was_whole", result.was_whole},
                                       {"messages", result.messages},
                                       {"cut_bytes", result.cut_bytes},
                                       {"damaged", result.damaged},
-                                      {"damaged_bytes", result.damaged_bytes}};
+                                      {"damaged_bytes", result.damaged_bytes},
+                                      {"files", result.files}};
     say_json(json);
   } else if (result.was_whole) {
     std::printf("%s: is whole, nothing was changed\n", file.c_str());
@@ -46,6 +49,13 @@ void recover(const RecoverOptions& options) {
         static_cast<unsigned long long>(result.cut_bytes),
         static_cast<unsigned long long>(result.damaged),
         static_cast<unsigned long long>(result.damaged_bytes));
+    if (result.files > 1) {
+      std::printf(
+          "%u recordings lay in it, one behind the other: in this one it is a gap where they met, "
+          "and "
+          "counts as lost\n",
+          result.files);
+    }
   }
   if (!in_place && result.damaged != 0) {
     throw Failure(Exit::kFailure, options.file.string() + ": " +

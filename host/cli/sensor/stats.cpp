@@ -162,6 +162,12 @@ std::string stats_text(const StreamStats& stats) {
   if (stats.damage && stats.damage->state.files > 1) {
     line("files", files_text(stats.damage->state));
   }
+  if (figures.arrivals_back() > 0) {
+    line("order",
+         printed("%llu %s a frame lies behind a later one: nothing is measured between them",
+                 static_cast<unsigned long long>(figures.arrivals_back()),
+                 figures.arrivals_back() == 1 ? "time" : "times"));
+  }
   line("interval, ms", spread_text(figures.interval_ms()));
   line("latency, ms", spread_text(figures.latency_ms()) +
                           (figures.latency_ms() ? "" : " (only where one clock stamps both ends)"));
@@ -195,6 +201,7 @@ nlohmann::ordered_json stats_json(const StreamStats& stats) {
           {"coverage", number(figures.coverage())},
           {"frames", counts["frames"]},
           {"packets", counts["packets"]},
+          {"out_of_order", figures.arrivals_back()},
           {"silences", stats.silences},
           {"restarts", stats.restarts},
           {"damaged", stats.damage ? Json(stats.damage->records) : Json(nullptr)},

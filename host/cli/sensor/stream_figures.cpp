@@ -63,6 +63,10 @@ constexpr std::array<NamedCount, 19> kPacketCounts{{
 }  // namespace
 
 void StreamFigures::take(const client::Frame& frame, double arrived_s) {
+  if (!begins_ && arrived_s < newest_s_) {
+    ++arrivals_back_;
+    measure_anew();
+  }
   if (std::exchange(begins_, false)) {
     oldest_s_ = arrived_s;
   } else {
@@ -93,11 +97,15 @@ void StreamFigures::take(const client::Frame& frame, double arrived_s) {
   newest_stamp_ns_ = stamp_ns;
 }
 
-void StreamFigures::begin_anew() noexcept {
+void StreamFigures::measure_anew() noexcept {
   earlier_s_ = seconds();
   oldest_s_ = newest_s_;
   streams_ += begins_ ? 0U : 1U;
   begins_ = true;
+}
+
+void StreamFigures::begin_anew() noexcept {
+  measure_anew();
   origin_.reset();
 }
 

@@ -23,7 +23,8 @@ struct Spread {
 // What frames came to: rates, jitter, latency. Without clock: times are given.
 class StreamFigures {
  public:
-  // arrived_s: of the last packet, by any clock that does not step, seconds.
+  // arrived_s: of the last packet, by any clock that does not step, seconds. One earlier than that
+  // of the frame before is of a file that somebody has put together: no time to it counts.
   void take(const client::Frame& frame, double arrived_s);
 
   // What follows is another stream: no time from one to the other counts.
@@ -42,8 +43,11 @@ class StreamFigures {
   std::optional<Spread> compute_ms() const;
   std::optional<double> coverage() const;  // mean share of pixels with a depth
   std::uint64_t stamps_back() const noexcept { return stamps_back_; }  // earlier than one before
+  std::uint64_t arrivals_back() const noexcept { return arrivals_back_; }  // likewise
 
  private:
+  void measure_anew() noexcept;
+
   std::uint64_t frames_ = 0;
   std::uint64_t streams_ = 1;
   bool begins_ = true;    // the next frame begins a stream
@@ -53,6 +57,7 @@ class StreamFigures {
   double coverage_ = 0;  // sum
   std::uint64_t covered_frames_ = 0;
   std::uint64_t stamps_back_ = 0;
+  std::uint64_t arrivals_back_ = 0;
   std::optional<wire::Origin> origin_;  // of the newest frame
   std::int64_t newest_stamp_ns_ = 0;
   std::vector<double> intervals_ms_;

@@ -231,6 +231,7 @@ std::expected<Recovered, Problem> recover(const std::filesystem::path& file,
     return drop(done.error());
   }
   result.messages = writer->index().statistics.message_count;
+  result.files = reader->files();
   return result;
 }
 

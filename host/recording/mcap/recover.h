@@ -15,6 +15,7 @@ struct Recovered {
   std::uint64_t cut_bytes = 0;      // behind the last whole record, given up
   std::uint64_t damaged = 0;        // records that could not be read, given up
   std::uint64_t damaged_bytes = 0;  // of them, and between records
+  std::uint32_t files = 1;  // that lay one behind the other; a copy does not say where they met
 };
 
 // Gives a cut file its index again, in place: what lies behind its last whole record is cut off, no

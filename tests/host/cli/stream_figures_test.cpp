@@ -64,6 +64,18 @@ TEST(StreamFigures, NothingIsMeasuredFromOneStreamToTheNext) {
   EXPECT_EQ(figures.stamps_back(), 0U);
 }
 
+// Chunks of a file that somebody has put the other way round.
+TEST(StreamFigures, NothingIsMeasuredToAFrameThatCameBefore) {
+  StreamFigures figures;
+  for (const double arrived : {12.0, 12.1, 12.2, 11.0, 11.1, 11.2, 10.0, 10.1}) {
+    figures.take(frame_of(1, 0), arrived);
+  }
+  EXPECT_EQ(figures.arrivals_back(), 2U);
+  EXPECT_NEAR(figures.seconds(), 0.5, 1e-9);
+  EXPECT_NEAR(*figures.rate_hz(), 10.0, 1e-9);
+  EXPECT_NEAR(figures.interval_ms()->longest, 100, 1e-6);
+}
+
 TEST(StreamFigures, AFirstFrameAloneHasNoRate) {
   StreamFigures figures;
   figures.take(frame_of(1, 0), 10);

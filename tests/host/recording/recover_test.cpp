@@ -270,6 +270,7 @@ TEST_F(RecoverTest, TwoFilesOneBehindTheOtherAreReadAndNotCut) {
   const auto out = folder() / "out.mcap";
   const auto recovered = mcap::recover(path, out);
   ASSERT_TRUE(recovered) << recovered.error().message;
+  EXPECT_EQ(recovered->files, 2U);
   EXPECT_EQ(test::stream(get(out)).messages, all);
 }
 
