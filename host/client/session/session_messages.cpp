@@ -119,7 +119,7 @@ void SessionMessages::note_change(const wire::CalibrationPacket& calibration,
   if (newest_calibration_ && *newest_calibration_ != calibration && made_) {
     const Duration since = arrived - changed_at_;
     changes_ = since > kChangeHolds ? 0 : changes_;
-    if (changes_ == 0 || since >= kTurnedRound) {
+    if (changes_ == 0 || since >= 2 * kTurnedRound) {
       ++changes_;
       changed_at_ = arrived;
     } else {
