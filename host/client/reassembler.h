@@ -31,8 +31,9 @@ namespace stof::client {
 // Where the sender adds parity, a part that is missing is made of the others and the group's parity
 // packet as soon as these are there: it counts as recovered, and not as missing. Whether it does
 // the frame's info says; where that is missing, the newest one: a parity packet proves nothing. A
-// stream that was joined in the middle of a frame begins to be repaired with the next one. No clock
-// and no socket: times are the caller's, and must not go back.
+// stream that was joined in the middle of a frame begins to be repaired with the next one.
+//
+// No clock and no socket: times are the caller's, and must not go back.
 class Reassembler {
  public:
   explicit Reassembler(const ReassemblerOptions& options = {});

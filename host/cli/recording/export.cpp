@@ -55,7 +55,8 @@ void print_counts(const ExportOptions& options, const ExportCounts& counts,
     say_json(json);
   } else {
     say(printed("wrote %llu of %llu frames to %s", static_cast<unsigned long long>(counts.exported),
-                static_cast<unsigned long long>(counts.frames), options.to.c_str()));
+                static_cast<unsigned long long>(counts.frames),
+                client::printable(options.to.string()).c_str()));
   }
 }
 

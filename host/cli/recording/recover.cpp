@@ -51,9 +51,8 @@ void recover(const RecoverOptions& options) {
         static_cast<unsigned long long>(result.damaged_bytes));
     if (result.files > 1) {
       std::printf(
-          "%u recordings lay in it, one behind the other: in this one it is a gap where they met, "
-          "and "
-          "counts as lost\n",
+          "%u recordings lay in it, one behind the other: what is between them counts as lost in "
+          "OUT\n",
           result.files);
     }
   }

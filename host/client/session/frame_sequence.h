@@ -79,7 +79,7 @@ class FrameSequence {
     int frames = 0;
   };
   static constexpr std::uint32_t kRemembered = 256;
-  static constexpr Duration kSpread = std::chrono::milliseconds(500);
+  static constexpr Duration kSpread = 2 * kTurnedRound;
 
   bool over(std::uint32_t number) const noexcept;
   // A packet came of a frame that is over: whether it belongs to a second sender.

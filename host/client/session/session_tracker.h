@@ -35,9 +35,8 @@ class SessionTracker {
   const std::optional<wire::Origin>& current() const noexcept { return current_; }
   // The sensor itself told the current one and the one before: what was learned of it then holds.
   bool outlasts() const noexcept { return outlasts_; }
-  // How often the current session went on for longer than networks turn packets round
-  // (kTurnedRound, twice) after a packet of another one of this device, which it had not just
-  // ended: one of the two is somebody else's.
+  // How often the current session went on for half a second after a packet of another one of this
+  // device, which had not just ended: one of the two is somebody else's.
   std::uint64_t contests() const noexcept { return contests_; }
 
  private:

@@ -87,8 +87,8 @@ TEST_F(ForgedFrame, OneOfAnotherExposureIsTold) {
   EXPECT_GT(reassembler_.forgeries(), 0U);
 }
 
-// Whoever is ahead makes the sensor's frames old. What he is less ahead is found when the sensor
-// comes to his numbers, the rest when its frames were passed over for half a second.
+// Whoever is ahead makes the sensor's frames old. A short lead is found when the sensor comes to
+// his numbers, a long one when its frames were passed over for half a second.
 TEST_F(ForgedFrame, FramesThatWerePassedOverAreTold) {
   for (const std::uint32_t lead : {3U, 8U, 16U, 120U, 128U}) {
     reassembler_ = Reassembler();
@@ -212,6 +212,23 @@ TEST_F(ForgedFrame, WhatComesAfterParityMadeItGoodIsNoForgery) {
   EXPECT_EQ(reassembler_.statistics().recovered, 1U);
   EXPECT_EQ(push({late}), 0);
   EXPECT_EQ(reassembler_.forgeries(), 0U);
+}
+
+// Who makes the sensor's parity before it fills the gap that the sensor is about to fill.
+TEST_F(ForgedFrame, WhatForgedParityMakesIsTold) {
+  EXPECT_EQ(push(parts(1, 1, true)), 1);
+  FrameSpec other = frame_spec(2);
+  other.parity = true;
+  other.settings = 9;  // in its info, so that what its parity makes differs
+  std::vector<Datagram> packets = parts(2, 2, true);
+  const Datagram sent = packets[3];
+  packets.erase(packets.begin() + 3);
+  packets.back() = datagrams(other).back();
+  EXPECT_EQ(push(packets), 1);
+  EXPECT_EQ(reassembler_.statistics().recovered, 1U);
+  EXPECT_EQ(reassembler_.forgeries(), 0U);
+  push({sent});
+  EXPECT_GT(reassembler_.forgeries(), 0U);
 }
 
 // Who sends parity where the sensor sends none fills the gaps that the network left.
