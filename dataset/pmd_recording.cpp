@@ -19,7 +19,7 @@ using Done = std::expected<void, Problem>;
 
 constexpr int kMaxFrames = 65536;
 constexpr int kMostApartUs = 1'000'000'000;
-constexpr double kMaxWiggleRad = 1;
+constexpr double kMostOfHarmonics = 0.2;  // beyond it several phases are measured as one
 
 // Those that the file has; `to` keeps the others.
 template <typename T>
@@ -55,8 +55,9 @@ dsp::WigglingTable wiggling_from(Fields& fields) {
   }
   const double kappa3 = fields.number_or("kappa3", 0);
   const double kappa5 = fields.number_or("kappa5", 0);
-  fields.require(std::abs(kappa5 - kappa3) < kMaxWiggleRad, "has kappa3 and kappa5 too far apart");
-  return dsp::fourth_harmonic_table(fields.wrong().empty() ? kappa5 - kappa3 : 0);
+  fields.require(std::abs(kappa3) + std::abs(kappa5) < kMostOfHarmonics,
+                 "has kappa3 and kappa5 of 0.2 or more together");
+  return fields.wrong().empty() ? dsp::wiggling_of_harmonics(kappa3, kappa5) : dsp::WigglingTable{};
 }
 
 dsp::PmdFrequency frequency_from(Fields& fields, double usual_ratio) {

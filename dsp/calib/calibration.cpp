@@ -245,6 +245,23 @@ WigglingTable fourth_harmonic_table(double amplitude_rad) noexcept {
   return table;
 }
 
+WigglingTable wiggling_of_harmonics(double kappa3, double kappa5) noexcept {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  constexpr int kRounds = 60;  // each leaves at most 4 (|kappa3| + |kappa5|) of what was wrong
+  WigglingTable table{};
+  for (int i = 0; i < kWigglingSteps; ++i) {
+    const double measured = kTurn * i / kWigglingSteps;
+    double added = 0;
+    for (int round = 0; round < kRounds; ++round) {
+      const double four = 4 * (measured - added);
+      added =
+          std::atan2((kappa5 - kappa3) * std::sin(four), 1 + (kappa3 + kappa5) * std::cos(four));
+    }
+    table[index(i)] = static_cast<std::int16_t>(std::lround(added / kTurn * 65536));
+  }
+  return table;
+}
+
 const char* complete(StereoRig& rig) noexcept {
   if (const char* const why = both_problem(rig); *why != '\0') {
     return why;

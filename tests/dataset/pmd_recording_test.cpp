@@ -64,7 +64,7 @@ TEST_F(PmdRecordings, GiveTheConstantsInTheUnitsOfTheCalibration) {
   EXPECT_EQ(sensor.electrons_per_lsb, 50);
   EXPECT_EQ(sensor.noise_lsb, 6);
   EXPECT_EQ(sensor.suppressed_lsb, 0.95 * 15000 / 50);
-  EXPECT_EQ(sensor.frequency.wiggling, dsp::fourth_harmonic_table(0.01 - 0.05));
+  EXPECT_EQ(sensor.frequency.wiggling, dsp::wiggling_of_harmonics(0.05, 0.01));
   EXPECT_TRUE(sensor.fixed_pattern.empty());
   EXPECT_FALSE(recording->has_rig);
 }

@@ -364,7 +364,7 @@ dsp::PmdSensor sensor_constants(const dsp::Pinhole& lens, dsp::Hertz modulation,
   dsp::PmdSensor out{
       .lens = lens,
       .frequency = {.modulation = modulation,
-                    .wiggling = dsp::fourth_harmonic_table(model.kappa5 - model.kappa3),
+                    .wiggling = dsp::wiggling_of_harmonics(model.kappa3, model.kappa5),
                     .stray_i_lsb = 2 * stray.phase.re / model.electrons_per_lsb,
                     .stray_q_lsb = 2 * stray.phase.im / model.electrons_per_lsb},
       .dark_lsb = model.dark_lsb,

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -177,6 +178,34 @@ TEST(WigglingTable, HoldsFourPeriodsOfTheAmplitude) {
   EXPECT_EQ(table[24], -table[8]);
   for (std::size_t i = 0; i < 96; ++i) {
     EXPECT_EQ(table[i], table[i + 32]);
+  }
+}
+
+// The table is read by what was measured, which 4 samples of a correlation with these harmonics
+// are: not by the phase that it is to give.
+TEST(WigglingTable, GivesBackThePhaseThatHarmonicsBent) {
+  for (const auto& [kappa3, kappa5] : {std::pair(0.05, 0.0114), std::pair(-0.08, 0.03),
+                                       std::pair(0.0, 0.06), std::pair(0.0, 0.0)}) {
+    PmdSensor sensor;
+    sensor.frequency.wiggling = wiggling_of_harmonics(kappa3, kappa5);
+    double worst = 0;
+    for (int i = 0; i < 65536; i += 7) {
+      const double p = i * 2 * std::numbers::pi / 65536;
+      const double measured =
+          std::atan2(std::sin(p) - kappa3 * std::sin(3 * p) + kappa5 * std::sin(5 * p),
+                     std::cos(p) + kappa3 * std::cos(3 * p) + kappa5 * std::cos(5 * p)) /
+          (2 * std::numbers::pi) * kWigglingSteps;
+      const double whole = std::floor(measured);
+      const auto at = [&](double step) {
+        return sensor.frequency
+            .wiggling[static_cast<std::size_t>(static_cast<int>(step) & (kWigglingSteps - 1))];
+      };
+      const double wiggle = at(whole) + (at(whole + 1) - at(whole)) * (measured - whole);
+      worst = std::max(worst, std::abs(std::remainder(
+                                  measured * (65536 / kWigglingSteps) - wiggle - i, 65536.0)));
+    }
+    // 6 units are 0.7 mm at 20 MHz: what straight lines between 128 steps leave of the largest.
+    EXPECT_LE(worst, 6) << kappa3 << ", " << kappa5;
   }
 }
 
