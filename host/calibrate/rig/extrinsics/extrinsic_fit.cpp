@@ -47,12 +47,13 @@ struct StereoResidual {
 
 struct PmdResidual {
   Eigen::Vector3d seen;
-  Eigen::Vector3d per_offset;
+  PerKnot per_knot;
   Eigen::Matrix3d white;
   Eigen::Matrix3d start;  // of the rotation; the unknown is a small turn behind it
 
   template <typename T>
-  bool operator()(const T* pose, const T* offset, const T* wall, T* residual) const {
+  bool operator()(const T* pose, const T* offset, const T* leftover, const T* wall,
+                  T* residual) const {
     // m_p = R^T m_s / (1 - m_s . T)
     const T back[3] = {-pose[0], -pose[1], -pose[2]};
     T turned[3];
@@ -61,8 +62,11 @@ struct PmdResidual {
     T off[3];
     for (int k = 0; k < 3; ++k) {
       off[k] =
-          seen(k) + per_offset(k) * offset[0] -
+          seen(k) -
           (start(0, k) * turned[0] + start(1, k) * turned[1] + start(2, k) * turned[2]) / scale;
+      for (int knot = 0; knot < kRangeKnots; ++knot) {
+        off[k] -= per_knot(k, knot) * (offset[0] + leftover[knot]);
+      }
     }
     for (int i = 0; i < 3; ++i) {
       residual[i] = white(i, 0) * off[0] + white(i, 1) * off[1] + white(i, 2) * off[2];
@@ -71,11 +75,15 @@ struct PmdResidual {
   }
 };
 
-struct OffsetPrior {
+// Of so many unknowns around 0.
+template <int kCount>
+struct Prior {
   double sigma_m;
   template <typename T>
-  bool operator()(const T* offset, T* residual) const {
-    residual[0] = offset[0] / T(sigma_m);
+  bool operator()(const T* unknown, T* residual) const {
+    for (int k = 0; k < kCount; ++k) {
+      residual[k] = unknown[k] / T(sigma_m);
+    }
     return true;
   }
 };
@@ -109,13 +117,20 @@ class ExtrinsicProblem {
  public:
   ExtrinsicProblem(const std::vector<SeenWall>& walls, const ExtrinsicOptions& options,
                    const PoseUnknowns& start)
-      : seen_(walls), start_(rotation_of(start)), pose_{0, 0, 0, start[3], start[4], start[5]} {
+      : seen_(walls),
+        options_(options),
+        start_(rotation_of(start)),
+        pose_{0, 0, 0, start[3], start[4], start[5]} {
     for (const SeenWall& wall : walls) {
       walls_.push_back({wall.stereo.m.x(), wall.stereo.m.y(), wall.stereo.m.z()});
     }
     problem_.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<OffsetPrior, 1, 1>(new OffsetPrior{options.offset_sigma_m}),
+        new ceres::AutoDiffCostFunction<Prior<1>, 1, 1>(new Prior<1>{options.offset_sigma_m}),
         nullptr, &offset_);
+    problem_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<Prior<kRangeKnots>, kRangeKnots, kRangeKnots>(
+            new Prior<kRangeKnots>{options.leftover_sigma_m}),
+        nullptr, leftover_.data());
     for (std::size_t n = 0; n < walls.size(); ++n) {
       const SeenWall& wall = walls[n];
       blocks_.push_back(
@@ -124,9 +139,10 @@ class ExtrinsicProblem {
                    new StereoResidual{wall.stereo.m, whitener(wall.stereo.covariance)}),
                nullptr, walls_[n].data()),
            problem_.AddResidualBlock(
-               new ceres::AutoDiffCostFunction<PmdResidual, 3, 6, 1, 3>(new PmdResidual{
-                   wall.pmd.m, wall.pmd.per_offset, whitener(wall.pmd.covariance), start_}),
-               nullptr, pose_.data(), &offset_, walls_[n].data())});
+               new ceres::AutoDiffCostFunction<PmdResidual, 3, 6, 1, kRangeKnots, 3>(
+                   new PmdResidual{wall.pmd.m, wall.pmd.per_knot, whitener(wall.pmd.covariance),
+                                   start_}),
+               nullptr, pose_.data(), &offset_, leftover_.data(), walls_[n].data())});
     }
   }
 
@@ -153,7 +169,10 @@ class ExtrinsicProblem {
       fit.wall_misfit.push_back(std::sqrt(of_wall / 3));
       chi2 += of_wall;
     }
-    chi2 += std::pow(offset_ / offset_sigma_, 2);
+    chi2 += std::pow(offset_ / options_.offset_sigma_m, 2);
+    for (const double leftover : leftover_) {
+      chi2 += std::pow(leftover / options_.leftover_sigma_m, 2);
+    }
     const auto freedom = static_cast<double>(3 * blocks_.size()) - 6;
     fit.misfit = freedom > 0 ? chi2 / freedom : 0;
     put_gaps(fit);
@@ -168,9 +187,14 @@ class ExtrinsicProblem {
     }
     return true;
   }
-  void tell_offset_sigma(double sigma) { offset_sigma_ = sigma; }
 
  private:
+  // At each knot.
+  Eigen::Matrix<double, kRangeKnots, 1> too_far() const {
+    return Eigen::Map<const Eigen::Matrix<double, kRangeKnots, 1>>(leftover_.data()).array() +
+           offset_;
+  }
+
   void put_gaps(ExtrinsicFit& fit) const {
     const Matrix3 turn = rotation_of(fit.pmd_to_stereo);
     const Vector3 shift = translation_of(fit.pmd_to_stereo);
@@ -178,7 +202,7 @@ class ExtrinsicProblem {
     double apart = 0;
     for (const SeenWall& wall : seen_) {
       const Vector3 expected = turn.transpose() * wall.stereo.m / (1 - wall.stereo.m.dot(shift));
-      const Vector3 found = wall.pmd.m + offset_ * wall.pmd.per_offset;
+      const Vector3 found = wall.pmd.m - wall.pmd.per_knot * too_far();
       turned += std::pow(std::atan2(expected.cross(found).norm(), expected.dot(found)), 2);
       apart += std::pow(1 / expected.z() - 1 / found.z(), 2);
     }
@@ -195,7 +219,7 @@ class ExtrinsicProblem {
   }
 
   bool put_covariance(ExtrinsicFit& fit) {
-    std::vector<double*> unknowns{pose_.data(), &offset_};
+    std::vector<double*> unknowns{pose_.data(), &offset_, leftover_.data()};
     for (Wall& wall : walls_) {
       unknowns.push_back(wall.data());
     }
@@ -208,10 +232,11 @@ class ExtrinsicProblem {
   }
 
   const std::vector<SeenWall>& seen_;
+  ExtrinsicOptions options_;
   Matrix3 start_;
   PoseUnknowns pose_;
   double offset_ = 0;
-  double offset_sigma_ = 1;
+  std::array<double, kRangeKnots> leftover_{};
   std::vector<Wall> walls_;
   ceres::Problem problem_;
   std::vector<std::array<ceres::ResidualBlockId, 2>> blocks_;
@@ -227,7 +252,6 @@ std::optional<ExtrinsicFit> fit_extrinsics(const std::vector<SeenWall>& walls,
     return std::nullopt;
   }
   ExtrinsicProblem problem(walls, options, *start);
-  problem.tell_offset_sigma(options.offset_sigma_m);
   ExtrinsicFit fit;
   if (!problem.solve() || !problem.put(fit)) {
     return std::nullopt;

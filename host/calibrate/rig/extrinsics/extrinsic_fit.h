@@ -21,6 +21,8 @@ struct SeenWall {
 
 struct ExtrinsicOptions {
   double offset_sigma_m = 0.003;  // how far PMD distances may be off, all alike
+  // And each knot's by itself (kRangeStepM): what a calibration leaves of the wiggling.
+  double leftover_sigma_m = 0.001;
 };
 
 struct ExtrinsicFit {
@@ -28,7 +30,7 @@ struct ExtrinsicFit {
   // Of a small turn of the stereo axes (rad) and of T (m): R_true = exp(turn) R. From how far looks
   // scatter; times `misfit` where walls are off by much more than that tells.
   Eigen::Matrix<double, 6, 6> covariance;
-  double offset_m = 0;  // of PMD distances, found beside
+  double offset_m = 0;  // by how much the PMD camera reads too far, found beside
   double offset_sigma_m = 0;
   double misfit = 0;  // chi^2 over its degrees of freedom: near 1 where walls are flat and sensors
                       // agree

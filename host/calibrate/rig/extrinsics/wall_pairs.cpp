@@ -5,6 +5,7 @@
 #include "dataset/files/file.h"
 #include "dsp/calib/pmd/ray_table.h"
 #include "dsp/calib/stereo/column_tables.h"
+#include "host/calibrate/rig/extrinsics/long_exposure.h"
 #include "host/calibrate/rig/target/pair_folder.h"
 #include "host/evaluate/fusion/owning_depth_maker.h"
 #include "host/evaluate/owning_converter.h"
@@ -12,7 +13,11 @@
 namespace stof::host {
 namespace {
 
-constexpr int kStep = 12;         // px between looks of the pair
+// Pixels between looks of the pair. Planes of looks 12 px apart are off by 1.16 times what their
+// scatter tells, of looks 24 px apart by no more (40 rendered walls, preset `quality`).
+constexpr int kStep = 24;
+constexpr int kStepOfSmallPictures = 12;
+constexpr int kEnoughLooks = 120;
 constexpr double kPairSigma = 1;  // px; what matters is that all are alike
 constexpr double kPmdFloorM = 0.001;
 
@@ -26,9 +31,11 @@ lab::MatchParams params_of(const WallPairOptions& options) {
 // 1 / Z and its sigma for kPairSigma, by the rig's own columns.
 std::vector<PlaneLook> looks_of_pair(const dsp::StereoRig& rig,
                                      dsp::ImageView<const dsp::Disparity> disparity) {
+  const bool small = (disparity.width() / kStep) * (disparity.height() / kStep) < kEnoughLooks;
+  const int step = small ? kStepOfSmallPictures : kStep;
   std::vector<PlaneLook> looks;
-  for (int y = kStep / 2; y < disparity.height(); y += kStep) {
-    for (int x = kStep / 2; x < disparity.width(); x += kStep) {
+  for (int y = step / 2; y < disparity.height(); y += step) {
+    for (int x = step / 2; x < disparity.width(); x += step) {
       const dsp::Disparity d = disparity.at(x, y);
       if (!d.valid()) {
         continue;
@@ -52,10 +59,10 @@ struct PixelSums {
   double count = 0;
 };
 
-std::vector<PlaneLook> looks_of_pmd(const dsp::PmdSensor& sensor,
-                                    const dataset::PmdRecording& recording) {
-  OwningConverter converter(sensor);
-  const dsp::Pinhole& lens = sensor.lens;
+std::vector<PlaneLook> looks_of_pmd(const LongExposures& seen) {
+  const dataset::PmdRecording& recording = seen.recording;
+  OwningConverter converter(seen.sensor);
+  const dsp::Pinhole& lens = seen.sensor.lens;
   std::vector<PixelSums> sums(dsp::pixel_count(lens.width, lens.height));
   for (std::size_t n = 0; n < recording.frames.size(); ++n) {
     const dsp::PmdMaps& maps = converter->convert(recording.samples(n));
@@ -124,7 +131,7 @@ dataset::Loaded<std::vector<BothLooks>> read_looks(const std::filesystem::path& 
                                  dataset::size_text(left.width, left.height),
                              "give the calibration of this rig");
     }
-    const dataset::Loaded<dataset::PmdRecording> recording = dataset::read_pmd(folder / "pmd");
+    dataset::Loaded<dataset::PmdRecording> recording = dataset::read_pmd(folder / "pmd");
     if (!recording) {
       return std::unexpected(recording.error());
     }
@@ -139,7 +146,7 @@ dataset::Loaded<std::vector<BothLooks>> read_looks(const std::filesystem::path& 
     looks.push_back(
         {.name = pair->name,
          .stereo = looks_of_pair((*maker)->calibration().stereo, (**maker)->stereo().disparity),
-         .pmd = looks_of_pmd(calibration.pmd, *recording)});
+         .pmd = looks_of_pmd(lengthened(std::move(*recording), calibration.pmd))});
   }
   return looks;
 }

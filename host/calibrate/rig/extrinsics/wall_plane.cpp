@@ -24,14 +24,26 @@ double off(const PlaneLook& look, const Eigen::Vector3d& m) { return look.q - m.
 struct Sums {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
   void add(const PlaneLook& look) {
     const double weight = 1 / (look.sigma * look.sigma);
     normal += weight * look.ray * look.ray.transpose();
     right += weight * look.q * look.ray;
-    offset += weight * look.q * look.q * look.ray;
   }
 };
+
+// The right side's change when readings at a knot are 1 m farther: q = 1 / d falls by q^2.
+PerKnot right_per_knot(const std::vector<const PlaneLook*>& looks) {
+  PerKnot sums = PerKnot::Zero();
+  for (const PlaneLook* const look : looks) {
+    const double place = std::clamp(1 / look->q / kRangeStepM - 1, 0.0, kRangeKnots - 1.0);
+    const int knot = std::min(static_cast<int>(place), kRangeKnots - 2);
+    const double part = place - knot;
+    const Eigen::Vector3d change = -look->q * look->q / (look->sigma * look->sigma) * look->ray;
+    sums.col(knot) += (1 - part) * change;
+    sums.col(knot + 1) += part * change;
+  }
+  return sums;
+}
 
 Sums sums_of(const std::vector<const PlaneLook*>& looks) {
   Sums sums;
@@ -125,12 +137,12 @@ std::optional<SeenPlane> plane_of(const std::vector<PlaneLook>& looks, bool rang
   const double variance = squares / static_cast<double>(on.size() - 3);
   const Sums sums = sums_of(on);
   const Eigen::Matrix3d inverse = sums.normal.inverse();
-  return SeenPlane{.m = m,
-                   .covariance = variance * inverse,
-                   .per_offset = ranges ? Eigen::Vector3d(-(inverse * sums.offset))
-                                        : Eigen::Vector3d(Eigen::Vector3d::Zero()),
-                   .share = share,
-                   .misfit = std::sqrt(variance)};
+  return SeenPlane{
+      .m = m,
+      .covariance = variance * inverse,
+      .per_knot = ranges ? PerKnot(inverse * right_per_knot(on)) : PerKnot(PerKnot::Zero()),
+      .share = share,
+      .misfit = std::sqrt(variance)};
 }
 
 }  // namespace stof::host

@@ -16,13 +16,19 @@ struct PlaneLook {
   double sigma = 0;  // of q, relative to the other looks
 };
 
+// What a range camera reads too far by its distance alone, at knots kRangeStepM apart, the first of
+// them at kRangeStepM; straight lines between, as the outermost beyond.
+inline constexpr int kRangeKnots = 32;
+inline constexpr double kRangeStepM = 0.25;
+using PerKnot = Eigen::Matrix<double, 3, kRangeKnots>;
+
 struct SeenPlane {
   Eigen::Vector3d m;
   // From how far the looks lie off the plane.
   Eigen::Matrix3d covariance;
-  // By how much m changes when every look is 1 m farther off along its ray than it was read: of
-  // range cameras, whose readings share an offset. Zero for others.
-  Eigen::Vector3d per_offset;
+  // By how much m changes when the camera reads 1 m too far at one of the knots. Zero for others
+  // than range cameras.
+  PerKnot per_knot;
   double share = 0;   // of the looks that lie on the plane
   double misfit = 0;  // rms of those, in `sigma`
 };

@@ -1,5 +1,7 @@
 #include "host/calibrate/rig/extrinsics/extrinsic_fit.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -37,9 +39,22 @@ std::vector<Vector3> rays_of(const dsp::Pinhole& lens) {
   return rays;
 }
 
+// By how much a PMD camera reads too far: everywhere, and at knots of the distance.
+struct TooFar {
+  double offset_m = 0;
+  std::array<double, kRangeKnots> leftover_m{};
+
+  double at(double d) const {
+    const double place = std::clamp(d / kRangeStepM - 1, 0.0, kRangeKnots - 1.001);
+    const auto knot = static_cast<std::size_t>(place);
+    const double part = place - static_cast<double>(knot);
+    return offset_m + (1 - part) * leftover_m[knot] + part * leftover_m[knot + 1];
+  }
+};
+
 // Both sensors' looks at a plane n . X = distance in the left camera's axes.
-SeenWall seen_wall(const PmdKind& kind, const Vector3& normal, double distance, double offset_m,
-                   Gaussian& random) {
+SeenWall seen_wall(const PmdKind& kind, const Vector3& normal, double distance,
+                   const TooFar& too_far, Gaussian& random) {
   std::vector<PlaneLook> stereo;
   const Vector3 m = normal.normalized() / distance;
   for (double v = 8; v < 480; v += 16) {
@@ -60,7 +75,7 @@ SeenWall seen_wall(const PmdKind& kind, const Vector3& normal, double distance, 
   for (const Vector3& ray : &kind == &kChapter ? chapter : fine) {
     const double d = 1 / turned.dot(ray);
     if (d > 0.3 && d < 7) {
-      const double read = d + offset_m + random.next(kind.sigma_m);
+      const double read = d + too_far.at(d) + random.next(kind.sigma_m);
       pmd.push_back({ray, 1 / read, kind.sigma_m / (d * d)});
     }
   }
@@ -70,16 +85,15 @@ SeenWall seen_wall(const PmdKind& kind, const Vector3& normal, double distance, 
   return {.name = "", .stereo = a.value_or(SeenPlane{}), .pmd = b.value_or(SeenPlane{})};
 }
 
-std::vector<SeenWall> walls(const PmdKind& kind, std::uint64_t seed, double offset_sigma_m) {
+std::vector<SeenWall> walls(const PmdKind& kind, std::uint64_t seed, const TooFar& too_far = {}) {
   Gaussian random(seed);
-  const double offset = random.next(offset_sigma_m);
   std::vector<SeenWall> seen;
   for (const auto& [sideways, upwards, distance] :
        {std::tuple(0.0, 0.0, 1.5), std::tuple(0.5, 0.0, 1.4), std::tuple(-0.5, 0.0, 1.6),
         std::tuple(0.0, 0.45, 1.5), std::tuple(0.0, -0.45, 1.3), std::tuple(0.35, 0.35, 1.9),
         std::tuple(-0.35, 0.35, 1.2), std::tuple(0.35, -0.35, 1.7)}) {
     seen.push_back(seen_wall(kind, Vector3(std::tan(sideways), std::tan(upwards), 1), distance,
-                             offset, random));
+                             too_far, random));
   }
   return seen;
 }
@@ -96,8 +110,11 @@ Consistency over_seeds(const PmdKind& kind) {
   constexpr double kEllipsoid95 = 12.592;  // chi^2, 6 degrees of freedom
   Consistency found;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    const std::optional<ExtrinsicFit> fit =
-        fit_extrinsics(walls(kind, seed, 0.003), {.offset_sigma_m = 0.003});
+    Gaussian random(1000 + seed);
+    TooFar too_far{.offset_m = random.next(0.003)};
+    std::ranges::generate(too_far.leftover_m, [&] { return random.next(0.001); });
+    const std::optional<ExtrinsicFit> fit = fit_extrinsics(
+        walls(kind, seed, too_far), {.offset_sigma_m = 0.003, .leftover_sigma_m = 0.001});
     EXPECT_TRUE(fit);
     if (!fit) {
       return found;
@@ -133,17 +150,25 @@ TEST(ExtrinsicFit, AFinerSensorIsPlacedBetter) {
   EXPECT_LT(found.shift, 0.005);
 }
 
+TEST(ExtrinsicFit, TellsHowMuchTooFarThePmdCameraReads) {
+  const std::optional<ExtrinsicFit> fit =
+      fit_extrinsics(walls(kFine, 3, {.offset_m = 0.01}), {.offset_sigma_m = 0.05});
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->offset_m, 0.01, 0.002);
+  EXPECT_LT(fit->offset_sigma_m, 0.002);
+}
+
 TEST(ExtrinsicFit, NamesTheTiltThatIsMissing) {
   Gaussian random(4);
   std::vector<SeenWall> flat;
   for (const double sideways : {-0.5, -0.2, 0.0, 0.2, 0.5}) {
-    flat.push_back(seen_wall(kFine, Vector3(std::tan(sideways), 0, 1), 1.5, 0, random));
+    flat.push_back(seen_wall(kFine, Vector3(std::tan(sideways), 0, 1), 1.5, {}, random));
   }
   const std::vector<std::string> missing = missing_tilts(flat);
   ASSERT_EQ(missing.size(), 1U);
   EXPECT_NE(missing[0].find("up and down"), std::string::npos);
   EXPECT_FALSE(fit_extrinsics(flat, {})) << "T along rows of the picture is not told";
-  EXPECT_TRUE(missing_tilts(walls(kFine, 1, 0)).empty());
+  EXPECT_TRUE(missing_tilts(walls(kFine, 1)).empty());
 }
 
 TEST(WallPlane, LeavesOutWhatStandsBeforeTheWall) {
