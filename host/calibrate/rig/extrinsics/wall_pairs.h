@@ -20,10 +20,8 @@ struct WallPairOptions {
 // What both sensors made of one exposure.
 struct BothLooks {
   std::string name;
-  // Axes of the rectified left camera; one of each 24 by 24 px, whose errors are their own (12 by
-  // 12 of small pictures).
-  std::vector<PlaneLook> stereo;
-  std::vector<PlaneLook> pmd;  // axes of the PMD camera; the mean of each pixel's long exposures
+  std::vector<PlaneLook> stereo;  // axes of the rectified left camera; one of each 12 by 12 px
+  std::vector<PlaneLook> pmd;     // axes of the PMD camera; the mean of each pixel's long exposures
 };
 
 // Folders in DIR with left.pgm, right.pgm, pmd.json, pmd_raw.pgm, through the appliance's matcher
