@@ -423,7 +423,9 @@ wire::FrameInfo Publisher::describe(const Shot& shot, const Output& output) cons
                    microseconds(times_.code), microseconds(times_.send)},
       .steady_frames = output.steady_frames,
       .settings_fingerprint = params_.fingerprint,
-      .calibration_fingerprint = setup_.calibration.fingerprint};
+      .calibration_fingerprint = setup_.calibration.fingerprint,
+      .max_range_um = setup_.calibration.max_range * setup_.calibration.depth_unit_um,
+      .period_ns = setup_.calibration.period_ns};
   static_assert(wire::kDrifts == dsp::kDriftParameters);
   for (std::size_t i = 0; i < wire::kDrifts; ++i) {
     const dsp::Drift& drift = output.drift.drifts[i];

@@ -147,14 +147,19 @@ bool SerialSender::send_picture(const wire::FrameStamp& stamp, const wire::Frame
     return false;
   }
   if (!next_calibration_ || now >= *next_calibration_) {
-    next_calibration_ = send_calibration(stamp, profile, now) ? now + kSecond : now;
+    next_calibration_ = send_calibration(stamp, info, profile, now) ? now + kSecond : now;
   }
   return true;
 }
 
-bool SerialSender::send_calibration(const wire::FrameStamp& stamp, const PictureProfile& profile,
-                                    hal::Time now) noexcept {
-  const wire::CalibrationPacket calibration = profile_calibration(setup_.calibration, profile);
+bool SerialSender::send_calibration(const wire::FrameStamp& stamp, const wire::FrameInfo& info,
+                                    const PictureProfile& profile, hal::Time now) noexcept {
+  wire::CalibrationPacket whole = setup_.calibration;
+  if (info.period_ns > 0) {  // settings change both
+    whole.max_range = info.max_range_um / whole.depth_unit_um;
+    whole.period_ns = info.period_ns;
+  }
+  const wire::CalibrationPacket calibration = profile_calibration(whole, profile);
   wire::encode_calibration_packet(
       calibration, wire::payload_space(packet_).first<wire::kCalibrationPacketBytes>());
   const std::array records{wire::seal_packet({.type = wire::PacketType::kCalibration,

@@ -71,8 +71,8 @@ class SerialSender {
   bool push(Records records, hal::Time now) noexcept;
   bool send_picture(const wire::FrameStamp& stamp, const wire::FrameInfo& info,
                     const dsp::DepthMap& map, hal::Time now) noexcept;
-  bool send_calibration(const wire::FrameStamp& stamp, const PictureProfile& profile,
-                        hal::Time now) noexcept;
+  bool send_calibration(const wire::FrameStamp& stamp, const wire::FrameInfo& info,
+                        const PictureProfile& profile, hal::Time now) noexcept;
   bool send_sectors(const Sectors& sectors, const wire::FrameStamp& stamp, hal::Time now) noexcept;
   bool send_mavlink(const Sectors& sectors, const wire::FrameStamp& stamp, hal::Time now) noexcept;
 

@@ -118,7 +118,6 @@ void Reassembler::refuse_old(const wire::Header& header, Time arrived) {
   sequence_.begin(number, arrived);
   statistics_.frames_lost += sequence_.close(number);
   static_cast<void>(sequence_.advance(header.frame.freshness, arrived));  // fresh, and old by now
-  messages_.skip_frame();
   FrameSlot* const open = oldest(FrameSlot::State::kOpen);
   if (open != nullptr && open->number() == number) {
     drop(*open, &Statistics::frames_old);
@@ -378,7 +377,7 @@ void Reassembler::close(FrameSlot& slot) {
     return;
   }
   pace_.note(slot.last_packet(), slot.made_with());
-  messages_.note_frame(slot.made_with(), slot.depth_size(), slot.last_packet());
+  messages_.note_frame(number, slot.made_with(), slot.depth_size(), slot.last_packet());
   if (comes_late(slot)) {
     ++late_frames_;
     drop(slot, &Statistics::frames_old);

@@ -726,6 +726,8 @@ class FrameInfo(Layout):
     # of the calibration this frame was made with, as in its message: the frame goes with no other
     # one; 0: not told
     calibration_fingerprint: int = 0
+    max_range_um: int = 0  # maximal range that this frame was made with, um; 0: not told
+    period_ns: int = 0  # of the trigger, that this frame was made with, ns; 0: not told
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("exposure_begin_ns", "q", 1),
@@ -749,6 +751,8 @@ class FrameInfo(Layout):
         ("steady_frames", "I", 1),
         ("settings_fingerprint", "I", 1),
         ("calibration_fingerprint", "I", 1),
+        ("max_range_um", "I", 1),
+        ("period_ns", "q", 1),
     )
 
 

@@ -305,7 +305,7 @@ layouts.header = {
 
 layouts.frame_info = {
   message = "frame info",
-  bytes = 244,
+  bytes = 256,
   {name = "exposure_begin_ns", size = 8, count = 1, kind = "int64", title = "Exposure begin ns", base = base.DEC, doc = "begin of the stereo exposure, of the PMD camera's in a frame of it alone; ns, same clock as the header"},
   {name = "exposure_end_ns", size = 8, count = 1, kind = "int64", title = "Exposure end ns", base = base.DEC, doc = "end of it"},
   {name = "pmd_age_ns", size = 8, count = 1, kind = "int64", title = "Pmd age ns", base = base.DEC, doc = "age of the PMD data, ns: exposure middle of the stereo pair less that of the PMD data; 0 without either"},
@@ -327,6 +327,8 @@ layouts.frame_info = {
   {name = "steady_frames", size = 4, count = 1, kind = "uint32", title = "Steady frames", base = base.DEC, doc = "frames in a row that this depth stands on, itself included: for how many the camera stood; 1: it stands alone, as each of the PMD camera alone does"},
   {name = "settings_fingerprint", size = 4, count = 1, kind = "uint32", title = "Settings fingerprint", base = base.DEC, doc = "CRC-32C of the document of the settings this frame was made with, see \"Settings\"; 0: not told"},
   {name = "calibration_fingerprint", size = 4, count = 1, kind = "uint32", title = "Calibration fingerprint", base = base.DEC, doc = "of the calibration this frame was made with, as in its message: the frame goes with no other one; 0: not told"},
+  {name = "max_range_um", size = 4, count = 1, kind = "uint32", title = "Max range um", base = base.DEC, doc = "maximal range that this frame was made with, um; 0: not told"},
+  {name = "period_ns", size = 8, count = 1, kind = "int64", title = "Period ns", base = base.DEC, doc = "of the trigger, that this frame was made with, ns; 0: not told"},
 }
 
 layouts.calibration = {

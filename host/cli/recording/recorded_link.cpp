@@ -4,7 +4,7 @@
 #include <chrono>
 #include <limits>
 
-#include "host/client/session/frame_pace.h"
+#include "host/client/frame/made_with.h"
 #include "host/client/session/link_watch.h"
 
 namespace stof::host {
@@ -18,7 +18,7 @@ void RecordedLink::look(const client::LinkState& link, std::uint64_t log_time) {
 
 client::Duration RecordedLink::believed(client::Duration period) const {
   const client::Duration longest =
-      std::min(*std::ranges::max_element(gaps_), client::FramePace::kLongest);
+      std::min(*std::ranges::max_element(gaps_), client::kLongestPeriod);
   return std::clamp(period, client::Duration(0),
                     noted_ == 0 ? client::FramePace::kUnproven : longest + longest / 8);
 }

@@ -153,9 +153,9 @@ class Player {
     health_ = source_.health(at_ns_);  // now: behind the last frame the source begins anew
     const std::chrono::nanoseconds period(frame.calibration ? frame.calibration->period_ns : 0);
     silence_ns_ = static_cast<std::uint64_t>(
-        std::chrono::nanoseconds(client::silence_after(std::clamp(
-                                     period, std::chrono::nanoseconds(0),
-                                     std::chrono::nanoseconds(client::FramePace::kLongest))))
+        std::chrono::nanoseconds(
+            client::silence_after(std::clamp(period, std::chrono::nanoseconds(0),
+                                             std::chrono::nanoseconds(client::kLongestPeriod))))
             .count());
     tell_place();
     tell(client::Time::clock::now());

@@ -171,10 +171,7 @@ ImageSize FrameSlot::depth_size() const {
 
 // A frame names the calibration that it was made with; where that did not come yet it has none.
 void FrameSlot::choose_calibration(const LensBook& told) {
-  const std::optional<std::uint32_t> named =
-      info_ ? std::optional(info_->calibration_fingerprint) : std::nullopt;
-  const wire::CalibrationPacket* const lens = told.of(named, depth_size());
-  calibration_ = lens == nullptr ? std::nullopt : std::optional(*lens);
+  calibration_ = told.of(made_with(), depth_size());
 }
 
 Frame FrameSlot::view() const {

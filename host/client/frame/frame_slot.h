@@ -10,6 +10,7 @@
 #include "firmware/wire/packet.h"
 #include "host/client/frame/frame.h"
 #include "host/client/frame/frame_pixels.h"
+#include "host/client/frame/made_with.h"
 #include "host/client/session/lens_book.h"
 
 namespace stof::client {
@@ -46,15 +47,6 @@ class PacketSet {
  private:
   std::vector<std::uint64_t> words_;
   std::vector<std::uint32_t> crcs_;
-};
-
-// What a frame says that it was made with.
-struct MadeWith {
-  std::uint32_t session = 0;
-  std::uint32_t settings = 0;     // their revision
-  std::uint32_t calibration = 0;  // its fingerprint
-
-  friend bool operator==(const MadeWith&, const MadeWith&) = default;
 };
 
 // One frame being put together. Keeps its memory from frame to frame.
@@ -105,9 +97,7 @@ class FrameSlot {
   const PacketSet& parity_packets() const noexcept { return parity_packets_; }
   // Nothing: that packet did not arrive.
   std::optional<MadeWith> made_with() const noexcept {
-    return info_ ? std::optional(MadeWith{.session = header_.origin.session_id,
-                                          .settings = info_->settings_revision,
-                                          .calibration = info_->calibration_fingerprint})
+    return info_ ? std::optional(client::made_with(header_.origin.session_id, *info_))
                  : std::nullopt;
   }
   // Zeros: it has none, or nothing of it arrived.

@@ -23,6 +23,9 @@ void FramePace::note(Time arrived, const std::optional<MadeWith>& made) noexcept
   newest_ = newest_ ? std::max(*newest_, arrived) : arrived;
   if (made) {
     change_to(*made);
+    frames_tell_ = made->period > Duration(0);
+    newest_told_ = newest_told_ > Duration(0) ? newest_told_ : made->period;
+    take(made->period, current_);
   }
 }
 
@@ -42,13 +45,20 @@ void FramePace::tell(Duration period) noexcept {
     return;
   }
   newest_told_ = period;
-  const Duration told = std::max(period, least());
-  // The newest frame may be somebody else's.
-  for (Told* const one : {&current_, &former_}) {
-    Second& now = one->seconds[static_cast<std::size_t>(second()) % kSeconds];
-    now.least = now.number == second() ? std::min(now.least, told) : told;
-    now.number = second();
+  if (!frames_tell_) {
+    take(period, current_);
+    take(period, former_);  // the newest frame may be somebody else's
   }
+}
+
+void FramePace::take(Duration period, Told& told_of) noexcept {
+  if (period <= Duration(0)) {
+    return;
+  }
+  const Duration told = std::max(period, least());
+  Second& now = told_of.seconds[static_cast<std::size_t>(second()) % kSeconds];
+  now.least = now.number == second() ? std::min(now.least, told) : told;
+  now.number = second();
 }
 
 // Three quarters of the gap that as many exceed as not.
@@ -76,7 +86,7 @@ Duration FramePace::believed() const noexcept {
   if (newest_told_ == Duration(0)) {
     return Duration(0);
   }
-  return std::min({told.value_or(std::max(newest_told_, least())), most, kLongest});
+  return std::min({told.value_or(std::max(newest_told_, least())), most, kLongestPeriod});
 }
 
 }  // namespace stof::client

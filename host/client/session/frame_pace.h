@@ -7,11 +7,12 @@
 #include <optional>
 
 #include "host/client/frame/frame.h"
-#include "host/client/frame/frame_slot.h"
+#include "host/client/frame/made_with.h"
 
 namespace stof::client {
 
-// How far apart frames come, and which of the periods to believe that are told in a sensor's name:
+// How far apart frames come, and which of the periods to believe that are told in a sensor's name.
+// Frames tell their own; where they do not, of an older sensor, calibration messages:
 //  - The shortest one of the last seconds in which frames came. The sensor tells its own once a
 //    second, or with each frame where those are rarer, so a longer one that somebody else tells
 //    makes nobody wait longer for the next frame, whatever gaps he makes between frames.
@@ -20,8 +21,6 @@ namespace stof::client {
 // No clock: times are the caller's.
 class FramePace {
  public:
-  // No sensor takes more (setting period_ms).
-  static constexpr Duration kLongest = std::chrono::seconds(60);
   // Before its second frame no more is believed.
   static constexpr Duration kUnproven = std::chrono::seconds(1);
 
@@ -54,6 +53,7 @@ class FramePace {
   };
 
   void change_to(const MadeWith& made) noexcept;
+  void take(Duration period, Told& told_of) noexcept;
   // Below this nothing is believed.
   Duration least() const noexcept;
   std::int64_t second() const noexcept { return came_ / std::chrono::seconds(1); }
@@ -64,6 +64,7 @@ class FramePace {
   std::size_t noted_ = 0;               // ever
   Duration came_{0};                    // of each gap a second at most
   Duration newest_told_{0};
+  bool frames_tell_ = false;
   Told current_;
   Told former_;  // of the frames before: one forged frame forgets nothing
 };

@@ -8,6 +8,7 @@ namespace {
 constexpr std::int32_t kSlack = 128;
 constexpr int kConvincing = 2;  // advances of a trail
 constexpr int kPassedFrames = 3;
+constexpr Duration kPassedWithin = std::chrono::seconds(5);  // also where frames are slow
 
 // Whether a counter that was `before` at `then` may be `value` at `now`.
 bool reachable(std::uint32_t value, std::uint32_t before, Time then, Time now) noexcept {
@@ -62,7 +63,7 @@ bool FrameSequence::passed_over(std::uint32_t number, Time arrived) noexcept {
       (begun_.test(at) || arrived - passed_at_[at] < kSpread)) {
     return false;
   }
-  if (!passed_ || arrived - passed_->since >= kPatience) {
+  if (!passed_ || arrived - passed_->since >= kPassedWithin) {
     passed_ = {.number = number, .since = arrived, .frames = 1};
   } else if (number_distance(number, passed_->number) > 0) {
     passed_->number = number;

@@ -16,6 +16,22 @@ bool same_key(const wire::CalibrationPacket& one, const wire::CalibrationPacket&
   return one.fingerprint == other.fingerprint && size_of(one) == size_of(other);
 }
 
+// Whoever tells a message may be somebody else; a frame's info has its other packets beside it.
+std::optional<wire::CalibrationPacket> with_settings(const wire::CalibrationPacket* lens,
+                                                     const std::optional<MadeWith>& made) noexcept {
+  if (lens == nullptr) {
+    return std::nullopt;
+  }
+  wire::CalibrationPacket told = *lens;
+  if (made && made->max_range_um > 0) {
+    told.max_range = made->max_range_um / std::max(lens->depth_unit_um, 1U);
+  }
+  if (made && made->period > Duration(0)) {
+    told.period_ns = std::chrono::nanoseconds(made->period).count();
+  }
+  return told;
+}
+
 }  // namespace
 
 // Settings change the range and the period.
@@ -31,7 +47,7 @@ bool LensBook::same(const wire::CalibrationPacket& one,
 }
 
 void LensBook::restart(bool outlasts) noexcept {
-  named_.reset();
+  made_.reset();
   for (std::optional<Entry>& entry : entries_) {
     if (!outlasts) {
       entry.reset();
@@ -112,9 +128,10 @@ std::optional<LensBook::Entry>& LensBook::place(const wire::CalibrationPacket& t
   return *oldest;
 }
 
-void LensBook::note_frame(std::uint32_t fingerprint, ImageSize depth, Time arrived) noexcept {
-  const bool anew = named_ != fingerprint;
-  named_ = fingerprint;
+void LensBook::note_frame(const MadeWith& made, ImageSize depth, Time arrived) noexcept {
+  const std::uint32_t fingerprint = made.calibration;
+  const bool anew = !made_ || made_->calibration != fingerprint;
+  made_ = made;
   ++frames_;
   const bool known = std::ranges::any_of(entries_, [&](const std::optional<Entry>& entry) {
     return entry && entry->lens.fingerprint == fingerprint && entry->named != 0;
@@ -157,24 +174,26 @@ std::uint32_t LensBook::last_told() const noexcept {
   return *last ? (*last)->lens.fingerprint : 0;
 }
 
-const wire::CalibrationPacket* LensBook::current() const noexcept {
-  const std::uint32_t named = named_.value_or(0);
-  return newest([named](const wire::CalibrationPacket& lens) {
-    return named == 0 || lens.fingerprint == named;
-  });
+std::optional<wire::CalibrationPacket> LensBook::current() const noexcept {
+  const std::uint32_t named = made_ ? made_->calibration : 0;
+  return with_settings(newest([named](const wire::CalibrationPacket& lens) {
+                         return named == 0 || lens.fingerprint == named;
+                       }),
+                       made_);
 }
 
-const wire::CalibrationPacket* LensBook::of(std::optional<std::uint32_t> fingerprint,
-                                            ImageSize depth) const noexcept {
-  const std::uint32_t named = fingerprint.value_or(named_.value_or(0));
-  const auto fits = [&](const wire::CalibrationPacket& lens) {
-    return (named == 0 || lens.fingerprint == named) &&
-           (depth == ImageSize{} || size_of(lens) == depth);
-  };
-  if (!fingerprint && named != 0 && last_told() != named) {
-    return nullptr;
+std::optional<wire::CalibrationPacket> LensBook::of(const std::optional<MadeWith>& made,
+                                                    ImageSize depth) const noexcept {
+  const std::optional<MadeWith>& with = made ? made : made_;
+  const std::uint32_t named = with ? with->calibration : 0;
+  if (!made && named != 0 && last_told() != named) {
+    return std::nullopt;
   }
-  return newest(fits);
+  return with_settings(newest([&](const wire::CalibrationPacket& lens) {
+                         return (named == 0 || lens.fingerprint == named) &&
+                                (depth == ImageSize{} || size_of(lens) == depth);
+                       }),
+                       with);
 }
 
 }  // namespace stof::client

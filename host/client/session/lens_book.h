@@ -9,6 +9,7 @@
 #include "firmware/wire/messages/calibration.h"
 #include "host/client/frame/frame.h"
 #include "host/client/frame/image_size.h"
+#include "host/client/frame/made_with.h"
 
 namespace stof::client {
 
@@ -23,6 +24,8 @@ namespace stof::client {
 // A sensor sends its own once a second, or with each frame where those are rarer. What was learned
 // outlasts a start that the sensor itself told, for a fingerprint does. Where a fingerprint is
 // not told (0) all is believed. Other image sizes than frames have push nothing out.
+// Range and period are the settings', and change under one fingerprint: they are those that frames
+// tell of themselves, and those of messages only where frames tell none.
 // No clock: times are the caller's.
 class LensBook {
  public:
@@ -42,17 +45,17 @@ class LensBook {
   // One that arrived then; false: it contradicts another. late: one that was sent after it arrived
   // before, it changes nothing of period and range.
   bool take(const wire::CalibrationPacket& told, Time arrived, bool late) noexcept;
-  // A frame arrived then that names this fingerprint; depth: the size of its depth.
-  void note_frame(std::uint32_t fingerprint, ImageSize depth, Time arrived) noexcept;
+  // A frame arrived then that was made so; depth: the size of its depth.
+  void note_frame(const MadeWith& made, ImageSize depth, Time arrived) noexcept;
 
   // Of frames as they come now: one with the fingerprint that the newest frame names; before the
   // first frame, and where that names none, any. Of several one that stands, of these the newest.
   // None: not told in this session, or in doubt.
-  const wire::CalibrationPacket* current() const noexcept;
-  // Of a frame with depth of this size (0: it has none) that names this fingerprint. One whose
-  // frame info is missing goes with the frame before, where nothing else was told meanwhile.
-  const wire::CalibrationPacket* of(std::optional<std::uint32_t> fingerprint,
-                                    ImageSize depth) const noexcept;
+  std::optional<wire::CalibrationPacket> current() const noexcept;
+  // Of a frame with depth of this size (0: it has none) that was made so. One whose frame info is
+  // missing goes with the frame before, where nothing else was told meanwhile.
+  std::optional<wire::CalibrationPacket> of(const std::optional<MadeWith>& made,
+                                            ImageSize depth) const noexcept;
 
  private:
   // More than a sensor has pictures on a line. Those that stand are kept, and of the others the
@@ -92,9 +95,9 @@ class LensBook {
 
   bool units_change_;
   std::array<std::optional<Entry>, kEntries> entries_;
-  std::uint64_t told_ = 0;              // messages, ever
-  std::uint64_t frames_ = 0;            // that named anything, ever
-  std::optional<std::uint32_t> named_;  // by the newest frame of the session
+  std::uint64_t told_ = 0;        // messages, ever
+  std::uint64_t frames_ = 0;      // that named anything, ever
+  std::optional<MadeWith> made_;  // the newest frame of the session
 };
 
 }  // namespace stof::client

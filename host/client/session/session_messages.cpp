@@ -7,7 +7,6 @@
 
 #include "firmware/wire/calibration/calibration_packet.h"
 #include "host/client/frame/frame_slot.h"
-#include "host/client/session/frame_pace.h"
 
 namespace stof::client {
 namespace {
@@ -15,9 +14,6 @@ namespace {
 constexpr std::int32_t kMostEvents = 1 << 16;  // that were all lost in a row
 // An event is sent again after a second.
 constexpr Duration kRepetition = std::chrono::milliseconds(500);
-
-// A calibration that changes is followed by frames that were made with it.
-constexpr Duration kChangeHolds = std::chrono::seconds(5);
 
 template <typename Report, std::size_t kBytes>
 bool same_bytes(const Report& a, const Report& b,
@@ -34,10 +30,6 @@ bool same(const wire::HealthReport& a, const wire::HealthReport& b) noexcept {
 
 bool same(const wire::EventReport& a, const wire::EventReport& b) noexcept {
   return same_bytes(a, b, wire::encode_event_report);
-}
-
-bool is_period(std::int64_t period_ns) noexcept {
-  return period_ns >= 0 && std::chrono::nanoseconds(period_ns) <= FramePace::kLongest;
 }
 
 }  // namespace
@@ -73,61 +65,33 @@ MessageOutcome SessionMessages::push_calibration(const wire::PacketView& packet,
     return MessageOutcome::kImplausible;
   }
   // One that was sent beside a frame which is still to come may be a lie: it makes none late.
-  const bool late = newest_calibration_ && !frames.ahead(calibration_frame_) &&
-                    number_distance(number, calibration_frame_) < 0;
+  const bool late = calibration_frame_ && !frames.ahead(*calibration_frame_) &&
+                    number_distance(number, *calibration_frame_) < 0;
   if (!late) {
     period = std::chrono::nanoseconds(decoded->period_ns);
   }
+  lies_ += beside_.take(number, *decoded) ? 0U : 1U;
   const bool believed = lenses_.take(*decoded, arrived, late);
-  choose_calibration();
+  calibration_ = lenses_.current();
   if (!believed) {
     return MessageOutcome::kImplausible;
   }
   if (late) {
     return MessageOutcome::kLate;
   }
-  note_change(*decoded, arrived);
   calibration_frame_ = number;
-  calibration_at_ = calibration_ == *decoded ? arrived : calibration_at_;
+  calibration_at_ =
+      calibration_ && calibration_->fingerprint == decoded->fingerprint ? arrived : calibration_at_;
   return MessageOutcome::kTaken;
 }
 
-void SessionMessages::note_frame(const std::optional<MadeWith>& made, ImageSize depth,
-                                 Time arrived) noexcept {
-  if (!made) {
-    skip_frame();
-    return;
+void SessionMessages::note_frame(std::uint32_t number, const std::optional<MadeWith>& made,
+                                 ImageSize depth, Time arrived) noexcept {
+  if (made) {
+    lies_ += beside_.take(number, *made) ? 0U : 1U;
+    lenses_.note_frame(*made, depth, arrived);
+    calibration_ = lenses_.current();
   }
-  if (made_ != made) {
-    skip_frame();
-  } else if (turned_round_at_ && arrived - *turned_round_at_ >= 2 * kTurnedRound) {
-    turned_round_at_.reset();
-    ++lies_;  // the frames of the change would be here
-  }
-  made_ = made;
-  lenses_.note_frame(made->calibration, depth, arrived);
-  choose_calibration();
-}
-
-void SessionMessages::choose_calibration() noexcept {
-  const wire::CalibrationPacket* const current = lenses_.current();
-  calibration_ = current == nullptr ? std::nullopt : std::optional(*current);
-}
-
-void SessionMessages::note_change(const wire::CalibrationPacket& calibration,
-                                  Time arrived) noexcept {
-  if (newest_calibration_ && *newest_calibration_ != calibration && made_) {
-    const Duration since = arrived - changed_at_;
-    changes_ = since > kChangeHolds ? 0 : changes_;
-    if (changes_ == 0 || since >= 2 * kTurnedRound) {
-      ++changes_;
-      changed_at_ = arrived;
-    } else {
-      turned_round_at_ = arrived;
-    }
-    lies_ += changes_ > 1 ? 1U : 0U;
-  }
-  newest_calibration_ = calibration;
 }
 
 // Health goes on while no frame is sent: its order is that of the uptime.

@@ -15,6 +15,7 @@
 #include "host/client/session/frame_sequence.h"
 #include "host/client/session/health_book.h"
 #include "host/client/session/lens_book.h"
+#include "host/client/session/message_check.h"
 #include "host/client/session/report_queue.h"
 
 namespace stof::client {
@@ -46,17 +47,11 @@ class SessionMessages {
   // period: that it tells, also where its lens is not believed; none: it is none of now.
   MessageOutcome push_calibration(const wire::PacketView& packet, const FrameSequence& frames,
                                   Time arrived, std::optional<Duration>& period);
-  // A frame was closed, of which the last packet arrived then. A calibration that changes twice,
-  // though no frame was made with other settings or another calibration meanwhile, was not always
-  // the sensor's.
-  void note_frame(const std::optional<MadeWith>& made, ImageSize depth, Time arrived) noexcept;
-  // One was not read, so that nobody knows what it was made with.
-  void skip_frame() noexcept {
-    changes_ = 0;
-    turned_round_at_.reset();
-  }
-  // Such changes, events and raw pictures that contradict each other, and HealthBook::lies(), over
-  // all sessions.
+  // A frame was closed, of which the last packet arrived then; made: nothing: its info did not.
+  void note_frame(std::uint32_t number, const std::optional<MadeWith>& made, ImageSize depth,
+                  Time arrived) noexcept;
+  // Messages and frames, events, and raw pictures that contradict each other, and
+  // HealthBook::lies(), over all sessions.
   std::uint64_t lies() const noexcept { return lies_ + health_.lies() + raw_.lies(); }
   // is_signed: by the sensor, for this receiver.
   MessageOutcome push_health(const wire::PacketView& packet, bool is_signed, Time arrived);
@@ -93,20 +88,14 @@ class SessionMessages {
     Time at;
   };
 
-  void choose_calibration() noexcept;
-  void note_change(const wire::CalibrationPacket& calibration, Time arrived) noexcept;
   bool seen(std::uint32_t sequence) const noexcept;
   bool repeats_refused_event(std::uint32_t sequence, Time arrived) noexcept;
 
-  std::optional<MadeWith> made_;  // the newest frame
   LensBook lenses_;
+  MessageCheck beside_;
   std::optional<wire::CalibrationPacket> calibration_;
-  std::optional<wire::CalibrationPacket> newest_calibration_;  // that was taken
-  int changes_ = 0;                      // of that one, since a frame was made with anything else
-  Time changed_at_;                      // the last one that counts
-  std::optional<Time> turned_round_at_;  // a change that the network may have made
   std::uint64_t lies_ = 0;
-  std::uint32_t calibration_frame_ = 0;
+  std::optional<std::uint32_t> calibration_frame_;  // of the newest message that was taken
   Time calibration_at_;
   HealthBook health_;
   std::optional<Refused> refused_event_;  // by its sequence

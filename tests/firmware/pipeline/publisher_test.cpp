@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "firmware/wire/messages/calibration.h"
 #include "firmware/wire/messages/frame_info.h"
 #include "tests/firmware/pipeline/noise_scene.h"
 #include "tests/firmware/wire/frame/coder_in_memory.h"
@@ -78,6 +80,39 @@ TEST(Publisher, AFrameLargerThanItsMemoryIsSentWhole) {
       EXPECT_EQ(sender.events.counters.packets_dropped, 0U);
     }
   }
+}
+
+// A receiver takes a message that says otherwise for somebody else's.
+TEST(Publisher, ACalibrationMessageSaysWhatTheFrameBesideItDoes) {
+  const wire::StreamChoice choice = everything(wire::Coding::kRaw, false);
+  Sender sender(choice);
+  std::optional<wire::CalibrationPacket> told;
+  int compared = 0;
+  for (std::uint16_t k = 0; k < 40; ++k) {
+    if (k % 3 == 0) {
+      sender.publisher.set_params({.choice = choice,
+                                   .period = 33ms + k * 1ms,
+                                   .max_range = static_cast<dsp::QuarterMm>(8000 + 100 * (k / 6))});
+    }
+    sender.clock.wait_until(sender.clock.now() + 300ms);
+    Scene scene(k);
+    ASSERT_EQ(sender.publish(scene), Status::kOk);
+    told.reset();
+    while (const auto sent = sender.port.take_sent()) {
+      const wire::PacketView packet = wire::parse_packet(sent->bytes).value();
+      EXPECT_EQ(packet.header.frame.number, k);
+      if (packet.header.type == wire::PacketType::kCalibration) {
+        told = wire::decode_calibration_packet(packet.payload).value();
+      } else if (packet.header.type == wire::PacketType::kFrameInfo && told) {
+        const wire::FrameInfo info = wire::decode_frame_info(packet.payload).value();
+        EXPECT_EQ(info.period_ns, told->period_ns);
+        EXPECT_EQ(info.max_range_um, told->max_range * told->depth_unit_um);
+        EXPECT_EQ(info.calibration_fingerprint, told->fingerprint);
+        ++compared;
+      }
+    }
+  }
+  EXPECT_GE(compared, 14);
 }
 
 TEST(Publisher, EveryReceiverGetsALargeFrameWhole) {

@@ -141,7 +141,7 @@ class SenderBench {
   void frame(hal::Time now) {
     ++stamp.number;
     stamp.exposure_middle_ns = now.time_since_epoch().count();
-    sender.frame(stamp, {}, map(), now);
+    sender.frame(stamp, info, map(), now);
   }
   // The bytes of all records, and how many there were.
   std::size_t drain() {
@@ -160,6 +160,7 @@ class SenderBench {
   stof::test::GuardedPart<SerialSender> in_memory;
   SerialSender& sender = *in_memory;
   wire::FrameStamp stamp{.number = 100, .freshness = 1};
+  wire::FrameInfo info;
   std::vector<dsp::QuarterMm> depth;
   std::vector<dsp::QuarterMm> width;
   std::vector<Bytes> records;

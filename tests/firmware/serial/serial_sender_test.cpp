@@ -137,6 +137,22 @@ TEST(SerialSender, TellsTheLensOfTheDecimatedPicture) {
   EXPECT_EQ(lens->cy, 29.5 * 65'536);
 }
 
+TEST(SerialSender, TellsRangeAndPeriodAsItsFramesDo) {
+  SenderBench bench;
+  bench.sender.set(
+      {.mode = SerialMode::kStof, .profile = SerialProfile::kCoarse, .baud = 12'000'000});
+  bench.info.max_range_um = 4'000'000;
+  bench.info.period_ns = 40'000'000;
+  run(bench, 30, 1);
+  const LineReceiver receiver = receive(bench);
+  const LinePacket* const packet = receiver.last(PacketType::kCalibration);
+  ASSERT_NE(packet, nullptr);
+  const auto lens = wire::decode_calibration_packet(packet->payload);
+  ASSERT_TRUE(lens);
+  EXPECT_EQ(lens->max_range, 250U);  // of 16 mm
+  EXPECT_EQ(lens->period_ns, 40'000'000);
+}
+
 TEST(SerialSender, KeepsToTheRate) {
   for (const std::uint32_t rate : {1U, 7U, 10U, 20U, 30U, 60U}) {
     SenderBench bench(160, 120);

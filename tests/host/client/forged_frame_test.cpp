@@ -103,6 +103,24 @@ TEST_F(ForgedFrame, FramesThatWerePassedOverAreTold) {
   }
 }
 
+// The sensor makes less than three frames a second.
+TEST_F(ForgedFrame, FramesOfASlowSensorThatWerePassedOverAreTold) {
+  for (const milliseconds period : {milliseconds(600), milliseconds(1000)}) {
+    for (const std::uint32_t lead : {20U, 100U}) {
+      reassembler_ = Reassembler();
+      push(parts(1, 1));
+      const Time begin = now_;
+      for (std::uint32_t number = 2; reassembler_.forgeries() == 0; ++number) {
+        ASSERT_LE(now_ - begin, 4 * period + milliseconds(500)) << lead;
+        now_ += period - milliseconds(33);
+        push(parts(number + lead, 77));
+        now_ -= milliseconds(33);
+        push(parts(number, number));
+      }
+    }
+  }
+}
+
 // He makes only each fourth number, so that he is further ahead with each frame.
 TEST_F(ForgedFrame, FramesThatSomebodyCountsFasterAreTold) {
   push(parts(1, 1));

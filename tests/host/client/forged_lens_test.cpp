@@ -43,7 +43,8 @@ class ForgedLens : public testing::Test {
             .origin = origin_,
             .width = 20,
             .height = 5,
-            .calibration = file_};
+            .calibration = file_,
+            .period_ns = kPeriod / std::chrono::nanoseconds(1)};
   }
   void say(std::int32_t fx, std::uint32_t file, std::uint32_t unit_um = 250, int width = 20) {
     const FrameSpec beside = frame();

@@ -36,6 +36,8 @@ struct FrameSpec {
   std::uint32_t steady_frames = 0;
   std::uint32_t calibration = 0;  // its fingerprint
   std::uint32_t settings = 0;     // their revision
+  std::uint32_t max_range_um = 0;
+  std::int64_t period_ns = 0;
 };
 
 // The frame of this number, fresh, with pixels of its own.
@@ -77,10 +79,14 @@ inline std::vector<Datagram> datagrams(const FrameSpec& spec) {
   Coder coder(spec.origin, {.width = spec.width, .height = spec.height});
   wire::StreamChoice choice = raw_map();
   choice.parity = spec.parity;
-  return coder.code(
-      stamp_of(spec), {.map = map.view()}, choice,
-      {.settings_revision = spec.settings, .calibration_fingerprint = spec.calibration});
+  return coder.code(stamp_of(spec), {.map = map.view()}, choice,
+                    {.settings_revision = spec.settings,
+                     .calibration_fingerprint = spec.calibration,
+                     .max_range_um = spec.max_range_um,
+                     .period_ns = spec.period_ns});
 }
+
+inline constexpr std::uint32_t kDepthUnitUm = wire::CalibrationPacket{}.depth_unit_um;
 
 // A packet outside the frames.
 inline Datagram report_datagram(const FrameSpec& spec, wire::PacketType type,
@@ -99,6 +105,7 @@ inline Datagram calibration_datagram(const FrameSpec& spec, std::int64_t period_
                                    .image_height = static_cast<std::uint16_t>(spec.height),
                                    .fx = fx,
                                    .fy = 65536,
+                                   .max_range = spec.max_range_um / kDepthUnitUm,
                                    .period_ns = period_ns,
                                    .fingerprint = spec.calibration},
                                   payload);
