@@ -56,6 +56,7 @@ PROBE = """{
     read -r name <"$process/comm"
     [ "$name" = stofd ] || continue
     ! grep -q /libcamera.so "$process/maps" || echo "PROBE library libcamera.so"
+    ! grep -q LIBCAMERA_RPI_CONFIG_FILE=/libcamera_pipeline.json "$process/environ" || echo "PROBE environment pipeline"
     tell status "${process#/proc/}/status"
     for task in "$process"/task/*; do tell task "${task#/proc/}/stat"; done
   done
@@ -146,6 +147,7 @@ def with_probe(initramfs_file):
     checks.check(text.count(place) == 1, "board/image/init begins otherwise")
     archive = cpio.Archive()
     archive.file("init", text.replace(place, PROBE + place).encode(), 0o755)
+    archive.file("libcamera_pipeline.json", b"{}")  # as kinds of camera have it whose pipeline asks for one
     data = initramfs_file.read_bytes()
     initramfs_file.write_bytes(data + bytes(-len(data) % 4) + gzip.compress(archive.bytes(), mtime=0))
 
@@ -184,6 +186,7 @@ def nothing_more_is_open(scene, image, work, report, by_libcamera=False):
     report.figure("partitions mounted to be written, and the root", writable, "none", not writable)
     has_no_privileges(told, report)
     report.figure("libcamera in stofd", ["library", "libcamera.so"] in told, by_libcamera, (["library", "libcamera.so"] in told) == by_libcamera)
+    report.figure("pipeline's file in the environment", ["environment", "pipeline"] in told, True, ["environment", "pipeline"] in told)
     parameter = next((words[0] for kind, *words in told if kind == "parameter"), None)
     report.figure(f"parameter of a module by {MODULE_WORD}", parameter, MODULE_WORD.partition("=")[2], parameter == MODULE_WORD.partition("=")[2])
     ports = set()
