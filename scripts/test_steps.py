@@ -247,9 +247,11 @@ def image(log):
     if not log.run("scripts/setup", "image"):
         return Count(failed=1, notes=["no packages"])
     count = unit_tests(log, "tests/scripts/image_test.py")
+    count.add(unit_tests(log, "tests/scripts/image_libcamera_test.py"))
     count.add(unit_tests(log, "tests/scripts/flash_test.py"))
     if system_tools(log, "virt"):
         count.add(system_program(log, "tests/system/image_boot.py"))
+        count.add(system_program(log, "tests/system/image_libcamera.py"))
         count.add(system_program(log, "tests/system/image_update.py"))
         count.add(system_program(log, "tests/system/image_network.py"))
     else:

@@ -6,7 +6,7 @@ set -euo pipefail
 packages=(
   libc6-dev linux-libc-dev libstdc++-14-dev                           # the language
   libclang-rt-19-dev                                                  # sanitizers
-  libgpiod-dev libusb-1.0-0-dev libcamera-dev                         # devices
+  libgpiod-dev libusb-1.0-0-dev libcamera-dev libcamera-ipa           # devices
   libsodium-dev                                                       # firmware/wire/crypto
   libeigen3-dev                                                       # dsp/calib
   libzstd-dev                                                         # recordings, which board emu replays

@@ -33,6 +33,8 @@ class Recipe:
         self.board = board
         self.camera = camera
         self.program = kind["program"]
+        self.options = kind.get("options", [])
+        self.libcamera = kind.get("libcamera")
         self.flavour = table["kernel"]["flavour"]
         self.package = table["kernel"]["package"]
         self.cmdline = " ".join(filter(None, [boot["cmdline"], kind.get("cmdline", "")]))
@@ -74,11 +76,20 @@ class KernelTree:
 
     def _check(self):
         """All that the board's table names is there, or one line says what is not."""
-        missing = [f"module {name}" for name in self.recipe.modules if not self.modules.has(name)]
+        missing = [f"module {' or '.join(names)}" for names in self._alternatives() if not any(map(self.modules.has, names))]
         missing += [name for name in self.recipe.files if self._find(name) is None]
         if missing:
             raise RecipeError(f"{self.folder}: kernel {self.version} for board {self.recipe.board}, camera "
                               f"{self.recipe.camera}, lacks {', '.join(missing)}: unpack {self.recipe.package} there (dpkg -x)")
+
+    def _alternatives(self):
+        """The modules of the recipe, each with the names that kernels have it by."""
+        return [entry.split("|") for entry in self.recipe.modules]
+
+    def module_files(self):
+        """[(name, bytes)] in the order in which insmod takes them."""
+        wanted = [next(filter(self.modules.has, names)) for names in self._alternatives()]
+        return [(name, data) for _, name, data in self.modules.in_order([wanted])]
 
     def _find(self, name):
         """A device tree, an overlay or a file of the boot firmware."""

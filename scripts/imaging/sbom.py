@@ -12,6 +12,11 @@ from urllib.parse import quote
 LIBRARIES = (("libc6-dev", "glibc"), ("libstdc++-14-dev", "libstdc++"), ("libgcc-14-dev", "libgcc"),
              ("libgpiod-dev", "libgpiod"), ("libusb-1.0-0-dev", "libusb"), ("libsodium-dev", "libsodium"),
              ("libeigen3-dev", "Eigen"))
+# Packages of libraries that are not named after them (Debian Policy, section 8.1).
+PACKAGES = {**dict.fromkeys(("ld-linux-aarch64.so.1", "libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "librt.so.1"), "libc6"),
+            "libz.so.1": "zlib1g", "libjpeg.so.62": "libjpeg62-turbo"}
+# Libraries that lie in the package of another one.
+BESIDE = {"libcamera-base": "libcamera", "liblttng-ust-tracepoint": "liblttng-ust"}
 CHANGE = re.compile(r"^(\S+) \(([^)]+)\)")
 COMMON = pathlib.Path("/usr/share/common-licenses")  # of Debian's base-files: what copyright files refer to
 REFERENCE = re.compile(rb"/usr/share/common-licenses/([A-Za-z0-9][A-Za-z0-9.-]*[A-Za-z0-9])")
@@ -51,6 +56,21 @@ class Package:
         # Signed kernels are made of the binaries of source package linux, of the same version.
         self.source, self.version = re.sub(r"^linux-signed-\w+$", "linux", change[1]), change[2]
         self.licence = texts.read_bytes()
+
+
+def has(root, package):
+    return (pathlib.Path(root) / "usr" / "share" / "doc" / package).is_dir()
+
+
+def package_of(root, library):
+    """The package of a shared library's name, of those that are unpacked to `root`."""
+    name, _, version = library.partition(".so.")
+    name = BESIDE.get(name, name).replace("_", "-")
+    usual = f"{name}{'-' if name[-1:].isdigit() else ''}{version}".lower()
+    for package in (PACKAGES.get(library, usual), f"{usual}t64"):
+        if has(root, package):
+            return package
+    raise SbomError(f"{root}: no package of library {library}: unpack {usual} there, or name it in PACKAGES of scripts/imaging/sbom.py")
 
 
 def _spdx_id(text):

@@ -51,6 +51,9 @@ class Boards(unittest.TestCase):
             for camera in table["cameras"]:
                 plan = recipe.Recipe(ROOT, path.parent.name, camera)
                 self.assertIn(plan.program, ("stofd", "stofd-libcamera"))
+                by_libcamera = plan.program == "stofd-libcamera"
+                self.assertEqual((plan.libcamera is not None, plan.options), (by_libcamera, ["--cameras", "libcamera"] * by_libcamera))
+                self.assertLessEqual(len(camera), 16)  # of an update file
                 self.assertTrue(all(device.startswith("/dev/") and device.endswith("4") for device in plan.settings_devices))
                 # An overlay that config.txt names is one that the check looks for.
                 for line in plan.config:
@@ -82,6 +85,11 @@ class Init(InFolder):
         (self.folder / "bootloader/capabilities").unlink()  # those of before 2021 say nothing
         self.assertEqual(self.function("old_boot_loader", self.folder / "bootloader").returncode, 0)
         self.assertEqual(self.function("old_boot_loader", self.folder / "no Raspberry Pi").returncode, 1)
+
+    def test_a_module_gets_its_words_of_the_command_line_and_no_others(self):
+        words = "cmdline='quiet imx296.trigger_mode=1 imx296x.a=1 imx296.b=2 stof.slot=a uvcvideo.timeout=6000 imx296'\n"
+        for module, given in (("imx296", "trigger_mode=1\nb=2\n"), ("uvcvideo", "timeout=6000\n"), ("imx", ""), ("slot", "")):
+            self.assertEqual(self.function("parameters_of", module, before=words).stdout, given, module)
 
     def test_the_usual_slot_is_known_without_the_program_of_a_release(self):
         # GNU's grep wants to be told what busybox takes for granted.
@@ -122,14 +130,16 @@ class Helpers(InFolder):
             self.assertEqual(taken(whole.replace(was, wrong, 1)), "", (was, wrong))
 
     def test_a_device_goes_to_its_group(self):
-        words = 'chgrp() { echo "$1 $2"; }\nchmod() { :; }\n'
-        for device, group in (("video4linux video0", "video"), ("media media1", "video"), ("gpio gpiochip0", "gpio"),
+        words = 'chgrp() { echo "$1 $2"; }\nchmod() { :; }\nmark() { :; }\n'
+        for device, group in (("video4linux video0", "video"), ("video4linux v4l-subdev0", "video"), ("media media1", "video"),
+                              ("dma_heap dma_heap/linux,cma", "video"), ("gpio gpiochip0", "gpio"),
                               ("tty ttyAMA0", "dialout"), ("watchdog watchdog0", "watchdog")):
             subsystem, name = device.split()
             self.assertEqual(self.call("devices", f"{words}give {device} ''").stdout, f"{group} /dev/{name}\n")
         usb = "usb bus/usb/001/004"
         self.assertEqual(self.call("devices", f"{words}give {usb} 1209/50/100").stdout, "plugdev /dev/bus/usb/001/004\n")
-        for other in (f"{usb} 1209/5/100", f"{usb} ''", "block vda4 ''", "tty tty1 ''", "mem mem ''", "block video0 ''"):
+        for other in (f"{usb} 1209/5/100", f"{usb} ''", "block vda4 ''", "tty tty1 ''", "mem mem ''", "block video0 ''", "video4linux radio0 ''",
+                      "misc udmabuf ''"):
             self.assertEqual(self.call("devices", f"{words}give {other}").stdout, "", other)
 
 
@@ -186,7 +196,17 @@ class Packages(InFolder):
         self.assertEqual(tree.version, VERSION)
         self.assertEqual(tree.boot_files(), {name: name.encode() for name in self.plan.files})
         self.assertEqual(gzip.decompress(tree.compressed()), IMAGE)
-        self.assertNotIn("ext4", [name for _, name, _ in tree.modules.in_order([self.plan.modules])])
+        names = [name for name, _ in tree.module_files()]
+        self.assertNotIn("ext4", names)
+        self.assertLess({"imx296", "bcm2835_unicam_legacy", "bcm2835_isp", "i2c_mux_pinctrl"}, set(names))
+
+    def test_a_module_counts_by_any_name_that_kernels_have_it_by(self):
+        modules = self.folder / f"usr/lib/modules/{VERSION}/kernel/drivers"
+        (modules / "bcm2835-unicam-legacy.ko").rename(modules / "bcm2835-unicam.ko")
+        self.assertIn("bcm2835_unicam", [name for name, _ in self.tree().module_files()])
+        (modules / "bcm2835-unicam.ko").unlink()
+        with self.assertRaisesRegex(recipe.RecipeError, "lacks module bcm2835_unicam_legacy or bcm2835_unicam: unpack"):
+            self.tree()
 
     def test_a_kernel_that_is_compressed_stays_as_it_is(self):
         packed = gzip.compress(IMAGE)

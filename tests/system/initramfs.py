@@ -9,19 +9,17 @@ import argparse
 import pathlib
 import sys
 
-import elf
-
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "scripts" / "imaging"))
 from cpio import Archive  # noqa: E402
 from kernel_modules import Modules  # noqa: E402
+from libraries import Libraries, LibraryError  # noqa: E402
 
 KERNEL = ROOT / "build" / "kernel-arm64"
 GUEST = pathlib.Path(__file__).resolve().parent / "guest"
 # What the guest of the system test needs, beside what the kernel has built in: the first group is inserted before
 # the others, which do not depend on each other.
 MODULES = (("xhci_pci",), ("uvcvideo",), ("virtio_net",), ("8250_pci", "i6300esb"))
-LIBRARY_FOLDERS = ("usr/lib/aarch64-linux-gnu", "usr/lib")
 APPLETS = ("cat cp dd dmesg grep insmod ip kill ls mkdir mkfifo mount poweroff reboot rm sed sh sleep stty tr touch"
            " usleep").split()
 FOLDERS = ("bin", "dev", "etc", "proc", "run", "sys", "tmp", "usr/lib", "var")
@@ -32,7 +30,7 @@ class Image:
 
     def __init__(self, kernel=KERNEL, libraries=None):
         self.kernel = pathlib.Path(kernel)
-        self.libraries = None if libraries is None else pathlib.Path(libraries)
+        self.libraries = Libraries(*([] if libraries is None else [libraries]))
         self.archive = Archive()
         for folder in FOLDERS:
             self.archive.folder(folder)
@@ -55,31 +53,21 @@ class Image:
         self._closure(data)
 
     def _closure(self, data):
-        interpreter = elf.interpreter(data)
-        names = elf.needed(data)
-        if interpreter:
-            self.archive.file(interpreter.replace("/lib/", "usr/lib/", 1),
-                              self._library(pathlib.PurePath(interpreter).name), 0o755)
-        for name in names:
-            target = f"usr/lib/aarch64-linux-gnu/{name}"
-            if target in self.archive.names:
-                continue
-            library = self._library(name)
-            self.archive.file(target, library, 0o755)
-            self._closure(library)
+        try:
+            found = self.libraries.closure(data)
+        except LibraryError as error:
+            raise SystemExit(f"initramfs: {error}, or name the folder with --libraries") from error
+        for place, (_, path) in found.items():
+            self.archive.file(place, path.read_bytes(), 0o755)
 
     def library(self, name):
         """One that is loaded by name while the program runs."""
-        data = self._library(name)
+        found = self.libraries.find(name)
+        if found is None:
+            raise SystemExit(f"initramfs: no library {name}: name the folder that has it with --libraries")
+        data = found[1].read_bytes()
         self.archive.file(f"usr/lib/aarch64-linux-gnu/{name}", data, 0o755)
         self._closure(data)
-
-    def _library(self, name):
-        for folder in LIBRARY_FOLDERS if self.libraries else ():
-            path = self.libraries / folder / name
-            if path.exists():
-                return path.read_bytes()
-        raise SystemExit(f"initramfs: no library {name} in {self.libraries}: name the folder with --libraries")
 
     def write(self, path):
         path = pathlib.Path(path)

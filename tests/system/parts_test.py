@@ -11,7 +11,6 @@ import threading
 import time
 import unittest
 
-import elf
 import initramfs
 import long_cases
 import machine
@@ -62,17 +61,6 @@ class ArchiveTest(unittest.TestCase):
             (folder / "modules.builtin").write_text("kernel/x/in-kernel.ko\n")
             order = initramfs.Modules(folder).in_order([["base"], ["top"]])
         self.assertEqual([entry[:2] for entry in order], [(0, "base"), (1, "mid_dle"), (1, "top")])
-
-
-class ElfTest(unittest.TestCase):
-    def test_reads_the_interpreter_and_libraries_of_a_program(self):
-        data = pathlib.Path(sys.executable).resolve().read_bytes()
-        self.assertIn("ld-", elf.interpreter(data))
-        self.assertIn("libc.so.6", elf.needed(data))
-
-    def test_refuses_what_is_no_elf_file(self):
-        with self.assertRaises(elf.NotElf):
-            elf.needed(b"#!/bin/sh\n")
 
 
 class Host:

@@ -96,7 +96,7 @@ TEST(Publisher, ACalibrationMessageSaysWhatTheFrameBesideItDoes) {
     }
     sender.clock.wait_until(sender.clock.now() + 300ms);
     Scene scene(k);
-    ASSERT_EQ(sender.publish(scene), Status::kOk);
+    ASSERT_EQ(sender.publish(scene), Status::kOk) << k;
     told.reset();
     while (const auto sent = sender.port.take_sent()) {
       const wire::PacketView packet = wire::parse_packet(sent->bytes).value();
