@@ -204,8 +204,12 @@ TEST(WigglingTable, GivesBackThePhaseThatHarmonicsBent) {
       worst = std::max(worst, std::abs(std::remainder(
                                   measured * (65536 / kWigglingSteps) - wiggle - i, 65536.0)));
     }
-    // 6 units are 0.7 mm at 20 MHz: what straight lines between 128 steps leave of the largest.
-    EXPECT_LE(worst, 6) << kappa3 << ", " << kappa5;
+    // Straight lines between 128 steps leave an eighth of the squared step times the curvature, of
+    // the fourth and the eighth harmonic; and steps and result are rounded.
+    const double amplitude = std::abs(kappa5 - kappa3);
+    constexpr double kStep = 2 * std::numbers::pi / kWigglingSteps;
+    const double lines = kStep * kStep / 8 * (16 * amplitude + 128 * amplitude * amplitude);
+    EXPECT_LE(worst, lines / (2 * std::numbers::pi) * 65536 + 1.5) << kappa3 << ", " << kappa5;
   }
 }
 
