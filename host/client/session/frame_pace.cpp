@@ -23,6 +23,10 @@ void FramePace::note(Time arrived, const std::optional<MadeWith>& made) noexcept
   newest_ = newest_ ? std::max(*newest_, arrived) : arrived;
   if (made) {
     change_to(*made);
+    if (!frames_tell_ && made->period > Duration(0)) {
+      current_.seconds = {};  // messages, which anybody may have sent
+      former_.seconds = {};
+    }
     frames_tell_ = made->period > Duration(0);
     newest_told_ = newest_told_ > Duration(0) ? newest_told_ : made->period;
     take(made->period, current_);

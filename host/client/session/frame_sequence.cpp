@@ -8,7 +8,9 @@ namespace {
 constexpr std::int32_t kSlack = 128;
 constexpr int kConvincing = 2;  // advances of a trail
 constexpr int kPassedFrames = 3;
-constexpr Duration kPassedWithin = std::chrono::seconds(5);  // also where frames are slow
+// Whichever is longer: also where frames are slow.
+constexpr Duration kPassedWithin = std::chrono::seconds(5);
+constexpr std::int32_t kPassedWithinFrames = 8;
 
 // Whether a counter that was `before` at `then` may be `value` at `now`.
 bool reachable(std::uint32_t value, std::uint32_t before, Time then, Time now) noexcept {
@@ -63,8 +65,9 @@ bool FrameSequence::passed_over(std::uint32_t number, Time arrived) noexcept {
       (begun_.test(at) || arrived - passed_at_[at] < kSpread)) {
     return false;
   }
-  if (!passed_ || arrived - passed_->since >= kPassedWithin) {
-    passed_ = {.number = number, .since = arrived, .frames = 1};
+  if (!passed_ || (arrived - passed_->since >= kPassedWithin &&
+                   number_distance(number, passed_->first) > kPassedWithinFrames)) {
+    passed_ = {.first = number, .number = number, .since = arrived, .frames = 1};
   } else if (number_distance(number, passed_->number) > 0) {
     passed_->number = number;
     ++passed_->frames;

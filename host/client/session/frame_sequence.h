@@ -18,8 +18,8 @@ namespace stof::client {
 // after a second without a fresh frame, for a stream whose numbers and freshness both advance:
 // what repeats itself is never taken for new.
 // Two senders count where a packet comes of a frame that was made of others, and where three frames
-// come within five seconds whose numbers were passed over: half a second ago or more, for bad
-// networks bring all packets of a small frame behind those of newer ones.
+// come within five seconds, or eight numbers, that were passed over: half a second ago or more, for
+// bad networks bring all packets of a small frame behind those of newer ones.
 class FrameSequence {
  public:
   static constexpr Duration kPatience = std::chrono::seconds(1);
@@ -74,7 +74,8 @@ class FrameSequence {
 
   // Frames that were passed over and came after all, since then; each with a higher number.
   struct Passed {
-    std::uint32_t number = 0;
+    std::uint32_t first = 0;   // its number
+    std::uint32_t number = 0;  // of the newest
     Time since{};
     int frames = 0;
   };

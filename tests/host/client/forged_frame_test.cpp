@@ -105,7 +105,7 @@ TEST_F(ForgedFrame, FramesThatWerePassedOverAreTold) {
 
 // The sensor makes less than three frames a second.
 TEST_F(ForgedFrame, FramesOfASlowSensorThatWerePassedOverAreTold) {
-  for (const milliseconds period : {milliseconds(600), milliseconds(1000)}) {
+  for (const milliseconds period : {milliseconds(600), milliseconds(1000), milliseconds(3000)}) {
     for (const std::uint32_t lead : {20U, 100U}) {
       reassembler_ = Reassembler();
       push(parts(1, 1));

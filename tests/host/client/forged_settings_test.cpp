@@ -179,6 +179,24 @@ TEST_F(ForgedSettings, PutOffNoAlarmForSilence) {
   EXPECT_TRUE(watch_.state(now_ + 3 * kPeriod + milliseconds(21)).silent);
 }
 
+// Messages alone speak before the first frame does; then what they said is forgotten.
+TEST_F(ForgedSettings, FromTheStartMakeNoFalseAlarmForSilence) {
+  period_ = milliseconds(600);
+  for (int k = 0; k < 10; ++k) {
+    FrameSpec lie = frame();
+    lie.number += 100;
+    lie.period_ns = 20'000'000;
+    say(lie);
+  }
+  stream(12, [&](FrameSpec spec) {
+    spec.number += 100;
+    spec.period_ns = 20'000'000;
+    say(spec);
+    watch_.look(reassembler_, now_);
+    EXPECT_FALSE(watch_.state(now_ + period_).silent);
+  });
+}
+
 TEST_F(ForgedSettings, OfAnOlderSensorComeWithItsMessages) {
   for (int k = 0; k < 20; ++k) {
     now_ += kPeriod;
