@@ -6,6 +6,7 @@
 #include "dsp/calib/pmd/ray_table.h"
 #include "dsp/calib/stereo/column_tables.h"
 #include "host/calibrate/rig/extrinsics/long_exposure.h"
+#include "host/calibrate/rig/extrinsics/subpixel_lock.h"
 #include "host/calibrate/rig/target/pair_folder.h"
 #include "host/evaluate/fusion/owning_depth_maker.h"
 #include "host/evaluate/owning_converter.h"
@@ -13,11 +14,7 @@
 namespace stof::host {
 namespace {
 
-constexpr int kStep = 12;  // px between looks of the pair
-// Looks so near share what the matcher sums and smooths: by how much the variance of their plane is
-// above what their scatter tells. Of 144 rendered walls, preset `quality`, 1.3 of planes and 1.5 of
-// what pose follows from them; looks 36 px apart share nothing, and place the camera half as well.
-constexpr double kSharedVariance = 1.5;
+constexpr int kStep = 12;         // px between looks of the pair
 constexpr double kPairSigma = 1;  // px; what matters is that all are alike
 constexpr double kPmdFloorM = 0.001;
 
@@ -44,7 +41,8 @@ std::vector<PlaneLook> looks_of_pair(const dsp::StereoRig& rig,
       if (std::isfinite(q) && q > 0 && std::isfinite(next) && next > q) {
         looks.push_back({.ray = {-dsp::left_tangent(rig, x), (y - rig.left.cy) / rig.left.fy, 1},
                          .q = q,
-                         .sigma = next - q});
+                         .sigma = next - q,
+                         .disparity_px = px});
       }
     }
   }
@@ -150,12 +148,17 @@ dataset::Loaded<std::vector<BothLooks>> read_looks(const std::filesystem::path& 
 }
 
 FoundWalls walls_of(const std::vector<BothLooks>& looks) {
+  SubpixelLock lock;
+  for (const BothLooks& both : looks) {
+    if (const std::optional<SeenPlane> plane = plane_of(both.stereo, false)) {
+      lock.add(both.stereo, *plane);
+    }
+  }
   FoundWalls found;
   for (const BothLooks& both : looks) {
-    std::optional<SeenPlane> stereo = plane_of(both.stereo, false);
+    const std::optional<SeenPlane> stereo = plane_of(lock.undone(both.stereo), false);
     const std::optional<SeenPlane> pmd = plane_of(both.pmd, true);
     if (stereo && pmd) {
-      stereo->covariance *= kSharedVariance;
       found.walls.push_back({both.name, *stereo, *pmd});
     } else {
       found.refused.push_back(both.name + ": " + tilt_text(stereo ? "the PMD camera" : "the pair"));

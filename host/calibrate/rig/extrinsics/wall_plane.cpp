@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -43,6 +45,29 @@ PerKnot right_per_knot(const std::vector<const PlaneLook*>& looks) {
     sums.col(knot + 1) += part * change;
   }
   return sums;
+}
+
+// What errors that looks of like disparities share add to the covariance.
+Eigen::Matrix3d shared_covariance(const std::vector<const PlaneLook*>& looks,
+                                  const Eigen::Matrix3d& inverse) {
+  std::map<int, Eigen::Vector3d> per_half_px;  // straight lines between
+  for (const PlaneLook* const look : looks) {
+    if (look->disparity_px == 0) {
+      continue;
+    }
+    const double place = 2 * look->disparity_px;
+    const int half = static_cast<int>(std::floor(place));
+    const double part = place - half;
+    const Eigen::Vector3d change = kSharedPx / look->sigma * look->ray;
+    for (const auto& [at, weight] : {std::pair(half, 1 - part), std::pair(half + 1, part)}) {
+      per_half_px.try_emplace(at, Eigen::Vector3d::Zero()).first->second += weight * change;
+    }
+  }
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const auto& [at, change] : per_half_px) {
+    sum += (inverse * change) * (inverse * change).transpose();
+  }
+  return sum;
 }
 
 Sums sums_of(const std::vector<const PlaneLook*>& looks) {
@@ -139,7 +164,7 @@ std::optional<SeenPlane> plane_of(const std::vector<PlaneLook>& looks, bool rang
   const Eigen::Matrix3d inverse = sums.normal.inverse();
   return SeenPlane{
       .m = m,
-      .covariance = variance * inverse,
+      .covariance = variance * inverse + shared_covariance(on, inverse),
       .per_knot = ranges ? PerKnot(inverse * right_per_knot(on)) : PerKnot(PerKnot::Zero()),
       .share = share,
       .misfit = std::sqrt(variance)};

@@ -13,7 +13,8 @@ namespace stof::host {
 struct PlaneLook {
   Eigen::Vector3d ray;
   double q = 0;
-  double sigma = 0;  // of q, relative to the other looks
+  double sigma = 0;         // of q, relative to the other looks; of a pair: a pixel of disparity
+  double disparity_px = 0;  // of a pair; 0: not told
 };
 
 // What a range camera reads too far by its distance alone, at knots kRangeStepM apart, the first of
@@ -24,7 +25,8 @@ using PerKnot = Eigen::Matrix<double, 3, kRangeKnots>;
 
 struct SeenPlane {
   Eigen::Vector3d m;
-  // From how far the looks lie off the plane.
+  // From how far the looks lie off the plane; of a pair, too, from what looks of like disparities
+  // share (kSharedPx).
   Eigen::Matrix3d covariance;
   // By how much m changes when the camera reads 1 m too far at one of the knots. Zero for others
   // than range cameras.
@@ -34,6 +36,9 @@ struct SeenPlane {
 };
 
 inline constexpr std::size_t kFewestLooks = 30;
+// Standard deviation of what disparities within half a pixel are all off by, once SubpixelLock is
+// undone: fitted on 40 rendered rigs, preset `quality`.
+inline constexpr double kSharedPx = 0.03;
 
 // The plane that most looks lie on, others left out: what stands before a wall or beside it. None
 // where there are fewer than kFewestLooks, or less than half of them lie on one plane. `ranges`:
