@@ -202,7 +202,7 @@ TEST(WigglingTable, GivesBackThePhaseThatHarmonicsBent) {
       };
       const double wiggle = at(whole) + (at(whole + 1) - at(whole)) * (measured - whole);
       worst = std::max(worst, std::abs(std::remainder(
-                                  measured * (65536 / kWigglingSteps) - wiggle - i, 65536.0)));
+                                  measured * (65536.0 / kWigglingSteps) - wiggle - i, 65536.0)));
     }
     // Straight lines between 128 steps leave an eighth of the squared step times the curvature, of
     // the fourth and the eighth harmonic; and steps and result are rounded.
