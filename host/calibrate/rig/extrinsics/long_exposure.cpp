@@ -57,6 +57,7 @@ LongExposures lengthened(dataset::PmdRecording recording, const dsp::PmdSensor& 
   const std::size_t sums = (frames + room - 1) / room;
   const std::size_t each = sums == 0 ? 1 : frames / sums;
   std::vector<dataset::Image<std::uint16_t>> summed;
+  summed.reserve(sums);
   const std::span<const dataset::Image<std::uint16_t>> all = recording.frames;
   for (std::size_t n = 0; n < sums; ++n) {
     summed.push_back(sum_of(all.subspan(n * each, each), sensor));
