@@ -178,8 +178,8 @@ std::string extrinsics_text(const ExtrinsicFit& fit, const FoundWalls& found) {
       "%.1f mm apart\n",
       found.walls.size(), fit.misfit, fit.turned_rad * kDegrees, fit.apart_m * kMm);
   text += place_rows(fit);
-  text += printed("  PMD distances are off by %.1f +- %.1f mm\n", fit.offset_m * kMm,
-                  fit.offset_sigma_m * kMm);
+  text += printed("  PMD distances are off by %+.1f +- %.1f mm (+: read too far)\n",
+                  fit.offset_m * kMm, fit.offset_sigma_m * kMm);
   text += "  wall              off, sigmas  on the plane, %: pair, PMD\n";
   for (std::size_t n = 0; n < found.walls.size(); ++n) {
     const SeenWall& wall = found.walls[n];
