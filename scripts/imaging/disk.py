@@ -59,6 +59,10 @@ def run(command, epoch=None, **options):
     return done.stdout
 
 
+# Of FAT32: the boot sector and its copy, and where they have the serial.
+BOOT_SECTORS, SERIAL = (0, 6), range(67, 71)
+
+
 def mbr():
     sector = bytearray(SECTOR)
     struct.pack_into("<I", sector, 440, DISK_ID)
@@ -153,6 +157,19 @@ def used_part(path):
     while end and not any(data[max(0, end - BLOCK):end]):
         end -= BLOCK
     return data[:max(0, end)]
+
+
+def are_alike(first, second):
+    """Whether slots A and B of an image, as bytes, are of one release: their serials, labels and letters alone differ."""
+    for begin in range(0, len(first), BLOCK):
+        one, other = first[begin:begin + BLOCK], second[begin:begin + BLOCK]
+        if one == other:
+            continue
+        for at, pair in enumerate(zip(one, other, strict=True), begin):
+            is_serial = at // SECTOR in BOOT_SECTORS and at % SECTOR in SERIAL
+            if pair[0] != pair[1] and bytes(pair) not in (b"AB", b"ab") and not is_serial:
+                return False
+    return len(first) == len(second)
 
 
 def put_record(path, record):

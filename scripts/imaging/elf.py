@@ -7,6 +7,8 @@ import struct
 
 PT_LOAD, PT_DYNAMIC, PT_INTERP = 1, 2, 3
 DT_NULL, DT_NEEDED, DT_STRTAB = 0, 1, 5
+MAGIC = b"\x7fELF\x02\x01"
+EM_AARCH64 = 183
 
 
 class NotElf(Exception):
@@ -14,7 +16,7 @@ class NotElf(Exception):
 
 
 def _segments(data):
-    if data[:6] != b"\x7fELF\x02\x01":
+    if data[:6] != MAGIC:
         raise NotElf("not a 64-bit little-endian ELF file")
     at, = struct.unpack_from("<Q", data, 32)
     size, count = struct.unpack_from("<HH", data, 54)
@@ -25,6 +27,11 @@ def _segments(data):
 
 def _text(data, offset):
     return data[offset:data.index(b"\0", offset)].decode()
+
+
+def is_for_arm64(data):
+    """Whether these are a program or library for 64-bit ARM."""
+    return data[:6] == MAGIC and len(data) >= 64 and struct.unpack_from("<H", data, 18)[0] == EM_AARCH64
 
 
 def interpreter(data):

@@ -9,6 +9,10 @@ SIGNED = b"~Module signature appended~\n"
 SIGNATURE_FIELDS = struct.Struct(">5B3xI")  # struct module_signature of the kernel; the last is the signature's length
 
 
+class ModuleError(Exception):
+    """One line: what, where, what to do."""
+
+
 def _name_of(module):
     return module.replace("-", "_")
 
@@ -37,7 +41,10 @@ class Modules:
         if path is None:
             raise SystemExit(f"initramfs: the kernel in {self.folder} has no module {name}: check its name, or toolchains/kernel.sh")
         data = path.read_bytes()
-        return unsigned(lzma.decompress(data) if path.suffix == ".xz" else data)
+        try:
+            return unsigned(lzma.decompress(data) if path.suffix == ".xz" else data)
+        except (lzma.LZMAError, struct.error) as error:
+            raise ModuleError(f"{path}: is no module: unpack its package anew ({error})") from error
 
     def has(self, name):
         """It is a module, or part of the kernel."""

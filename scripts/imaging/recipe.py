@@ -21,7 +21,7 @@ class Recipe:
 
     def __init__(self, root, board, camera):
         path = pathlib.Path(root) / "board" / board / "image.json"
-        if not path.exists():
+        if not re.fullmatch(r"[a-z0-9]+", board) or not path.exists():
             have = sorted(found.parent.name for found in (pathlib.Path(root) / "board").glob("*/image.json"))
             raise RecipeError(f"board {board} has no image: use {', '.join(have)}")
         table = json.loads(path.read_text())

@@ -1,11 +1,12 @@
+#!/usr/bin/env python3
 """Documents of the settings partition without a file system, as firmware/records/README.md has them: the first ones of a card,
 and the directories that list them.
 
-`records.py FILE` lists those at the end of a file: of a partition, or of an image of a whole card.
+`records.py FILE` lists those of an image, of a card (the device), or of the settings partition.
 """
 
 import collections
-import pathlib
+import os
 import struct
 import sys
 
@@ -119,9 +120,8 @@ def newest(part, name):
 
 
 def main():
-    path = pathlib.Path(sys.argv[1])
-    with open(path, "rb") as file:
-        part = Part(file, path.stat().st_size - disk.SETTINGS.size)  # they lie at the end
+    with open(sys.argv[1], "rb") as file:
+        part = Part(file, settings_begin(file))
         for name in SIZES:
             found = [read(part, area, name) for area in range(2)]
             if any(found):
@@ -131,6 +131,16 @@ def main():
             known = listed(part, area)
             print(f"directory {area}: " + ("none that is whole" if known is None else
                                            ", ".join(f"{name} {generation}" for name, generation in known.items()) or "nothing"))
+
+
+def settings_begin(file):
+    """Of an image, a disk, or the settings partition alone."""
+    size = file.seek(0, os.SEEK_END)
+    file.seek(0)
+    whole = file.read(disk.SECTOR) == disk.mbr()
+    if size < disk.SETTINGS.size:
+        raise OSError(f"{sys.argv[1]} is none")
+    return disk.SETTINGS.begin if whole else size - disk.SETTINGS.size
 
 
 class Part:
@@ -150,4 +160,4 @@ if __name__ == "__main__":
     try:
         main()
     except (OSError, IndexError, struct.error) as wrong:
-        sys.exit(f"records: name a partition or an image: {wrong}")
+        sys.exit(f"records: name an image, a disk, or the settings partition of one: {wrong}")

@@ -9,6 +9,7 @@ import ctypes.util
 import hashlib
 import os
 import pathlib
+import re
 import secrets
 import struct
 import sys
@@ -21,6 +22,7 @@ RECORD = 4096  # at the end of a slot, behind its file system
 NO_LETTER = 0xFFFFFFFF
 MAGIC = b"STOFUPD\0"
 SEED_BYTES = 32
+PUBLIC_KEY = re.compile(r"[0-9a-fA-F]{64}")
 
 
 class UpdateError(Exception):
@@ -100,6 +102,35 @@ def make(content, key, **words):
 def public_keys(*keys):
     """The file that a sensor gets with --update-keys."""
     return "".join(f"{key.hex()}\n" for key in keys).encode()
+
+
+def read_public_keys(path):
+    """The lines of such a file; UpdateError where a sensor would not take it."""
+    path = pathlib.Path(path)
+    try:
+        lines = path.read_text(encoding="ascii").split("\n") if path.is_file() else [""]
+    except (OSError, UnicodeDecodeError):
+        lines = [""]
+    if lines[-1:] == [""]:
+        lines.pop()
+    if not lines or not all(PUBLIC_KEY.fullmatch(line) for line in lines):
+        raise UpdateError(f"{path}: public keys are {2 * SEED_BYTES} hexadecimal digits a line (scripts/imaging/update_file.py FILE prints one)")
+    return "".join(f"{line}\n" for line in lines).encode()
+
+
+def is_intact(slot):
+    """Whether the bytes of a slot are those that the record at its end was made of, whichever slot it is."""
+    try:
+        magic, version, _, chunk, *_, length, letter_at, _, digest = HEAD.unpack_from(slot, len(slot) - RECORD)
+    except struct.error:
+        return False
+    if (magic, version, chunk) != (MAGIC, 1, CHUNK) or length > len(slot) - RECORD:
+        return False
+    content = bytearray(slot[:length])
+    if letter_at < length:
+        content[letter_at:letter_at + 1] = b"a"
+    hashes = b"".join(hashlib.blake2b(content[at:at + CHUNK], digest_size=32).digest() for at in range(0, length, CHUNK))
+    return hashlib.blake2b(hashes, digest_size=32).digest() == digest
 
 
 if __name__ == "__main__":

@@ -18,9 +18,12 @@ sys.path.insert(0, str(ROOT / "scripts" / "imaging"))
 import disk  # noqa: E402
 import records  # noqa: E402
 import target  # noqa: E402
+import update_file  # noqa: E402
 
 FLASH = ROOT / "scripts" / "flash"
 EPOCH = 1_700_000_000
+CALIBRATION = b"STOFCAL\0 of a rig"
+CALIBRATION += records.crc32c(CALIBRATION).to_bytes(4, "little")
 CODE = re.compile(r"^((?:[0-9a-f]{4}-){7}[0-9a-f]{4})$", re.MULTILINE)
 
 
@@ -47,8 +50,12 @@ class OnFiles(unittest.TestCase):
         cls.addClassCleanup(folder.cleanup)
         cls.common = pathlib.Path(folder.name)
         images = {part: cls.common / part.label for part in disk.PARTITIONS}
+        key = update_file.Key.developers(cls.common / "key")
         for part in disk.PARTITIONS[:3]:
             disk.fat(images[part], part, {"cmdline.txt": part.label.encode()}, EPOCH)
+        release = disk.used_part(images[disk.SLOTS["a"]])
+        for part in disk.SLOTS.values():
+            disk.put_record(images[part], update_file.make(release, key, board="virt", camera="usb", version="1", counter=0)[1])
         disk.ext4(images[disk.SETTINGS], {}, EPOCH)
         cls.image = cls.common / "image"
         disk.assemble(cls.image, images)
@@ -74,7 +81,7 @@ class OnFiles(unittest.TestCase):
 
     def test_the_card_holds_the_image_and_the_first_settings(self):
         calibration = self.folder / "rig.cal"
-        calibration.write_bytes(b"calibration of a rig")
+        calibration.write_bytes(CALIBRATION)
         done = self.run_flash("--yes", "--calibration", calibration, "--name", "front \u00e4", "--address", "192.168.7.2/24",
                               "--address", "dhcp", "--gateway", "192.168.7.1", "--hostname", "front-7", "--option=--size", "--option=320x240")
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -83,7 +90,7 @@ class OnFiles(unittest.TestCase):
         with open(self.card, "rb") as card, open(self.image, "rb") as image:
             self.assertTrue(card.read(disk.SETTINGS.begin) == image.read(disk.SETTINGS.begin))
         part = self.settings()
-        self.assertEqual(disk.read_ext4(part, "rig.cal"), b"calibration of a rig")
+        self.assertEqual(disk.read_ext4(part, "rig.cal"), CALIBRATION)
         with open(part, "rb") as open_part:
             self.assertEqual(json.loads(records.newest(open_part, "settings").data), {"name": "front \u00e4", "network": {
                 "dhcp": True, "address": "192.168.7.2/24", "gateway": "192.168.7.1", "hostname": "front-7"}})
@@ -126,6 +133,10 @@ class OnFiles(unittest.TestCase):
         self.assertEqual(code, 2)
         self.assertIn("nothing was written", shown)
         self.assertEqual(self.card.read_bytes()[:3], b"old")
+        code, shown = self.answered(b"\4")
+        self.assertEqual(code, 2)
+        self.assertNotIn("Traceback", shown)
+        self.assertIn("nothing was written", shown)
         code, shown = self.answered(b"yes\n")
         self.assertEqual(code, 0, shown)
         self.assertIn("writing [" + "#" * 40 + "] 100 %", shown)
@@ -134,9 +145,19 @@ class OnFiles(unittest.TestCase):
     def test_bad_input_is_one_line_and_writes_nothing(self):
         short = self.folder / "short"
         short.write_bytes(b"x" * 100)
+        damaged = self.folder / "damaged.cal"
+        damaged.write_bytes(CALIBRATION[:-1] + b"?")
+        broken = self.folder / "broken"
+        data = bytearray(self.image.read_bytes())
+        data[disk.SLOTS["b"].begin + 5000] ^= 1
+        broken.write_bytes(data)
         for arguments, places, said in (
                 (["--name", "x" * 32], {}, "--name takes"), (["--name", ""], {}, "--name takes"),
-                (["--name", "a\nb"], {}, "--name takes"), (["--address", "192.168.7.2"], {}, "--address takes"),
+                (["--name", "a\nb"], {}, "--name takes"), (["--name", 'a"b'], {}, "--name takes"), (["--name", "a\\b"], {}, "--name takes"),
+                (["--calibration", "/dev/zero"], {}, "no calibration"), (["--calibration", self.image], {}, "no calibration"),
+                (["--calibration", self.folder], {}, "no calibration"), (["--calibration", damaged], {}, "a damaged one"),
+                (["--option=--size 640x480"], {}, "one word"), ([], {"image": broken}, "slot B holds other bytes"), ([], {"image": "/dev/zero"}, "no image of scripts/image"),
+                (["--address", "192.168.7.2"], {}, "--address takes"),
                 (["--address", "192.168.7.0/24"], {}, "no address of a host"), (["--address", "dhcp", "--address", "::1/64"], {}, "--address takes"),
                 (["--address", "10.0.0.2/24", "--address", "10.0.0.3/24"], {}, "one fixed address"),
                 (["--gateway", "10.0.0.1"], {}, "takes an --address"), (["--gateway", "x"], {}, "--gateway takes"),

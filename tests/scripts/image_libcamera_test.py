@@ -6,6 +6,7 @@ Debian's libcamera has no pipeline for a Raspberry Pi 5 and Raspberry Pi's is no
 
 import json
 import pathlib
+import platform
 import re
 import sys
 import tempfile
@@ -46,6 +47,13 @@ class Elf(unittest.TestCase):
         self.assertIn("libc.so.6", elf.needed(data))
         self.assertEqual(elf.needed(pi_libraries.elf("libb.so.2", "liba.so.1")), ["libb.so.2", "liba.so.1"])
         self.assertIsNone(elf.interpreter(pi_libraries.elf()))
+
+    def test_tells_a_program_for_another_processor(self):
+        self.assertTrue(elf.is_for_arm64(pi_libraries.elf()))
+        self.assertFalse(elf.is_for_arm64(b"#!/bin/sh\n"))
+        self.assertFalse(elf.is_for_arm64(b""))
+        if platform.machine() == "x86_64":
+            self.assertFalse(elf.is_for_arm64(pathlib.Path(sys.executable).resolve().read_bytes()))
 
     def test_refuses_what_is_no_elf_file(self):
         for data in (b"#!/bin/sh\n", b"", b"\x7fELF\x01\x01"):

@@ -300,6 +300,51 @@ class Disk(InFolder):
             disk.fat(self.folder / "boot", disk.BOOT, {"large": bytes(5 * disk.MIB)}, EPOCH)
 
 
+class Arguments(InFolder):
+    """scripts/image refuses in a line, before it builds anything."""
+
+    def refused(self, *arguments, said, **words):
+        done = subprocess.run([sys.executable, "-B", ROOT / "scripts" / "image", *arguments], text=True, capture_output=True, check=False,
+                              env={**os.environ, **words})
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+        self.assertIn(said, done.stderr)
+
+    def test_what_is_wrong_is_told_in_one_line(self):
+        self.refused("../board/virt", said="board ../board/virt has no image: use rpi4, rpi5, virt")
+        for text in ("99999999999999999999", "4354819200", "-1", "now"):
+            self.refused("virt", said="SOURCE_DATE_EPOCH takes", SOURCE_DATE_EPOCH=text)
+
+    def test_keys_that_a_sensor_would_not_take_are_refused(self):
+        good = b"0" * 64 + b"\n"
+        self.assertEqual(update_file.read_public_keys(self.file("keys", good * 2)), good * 2)
+        self.assertEqual(update_file.read_public_keys(self.file("bare", good[:-1])), good)
+        for data in (b"", b"\n", b"zz\n", b"0" * 63, good + b"\n", b"\xff" * 64, good + b"0" * 65):
+            with self.assertRaisesRegex(update_file.UpdateError, "64 hexadecimal digits a line"):
+                update_file.read_public_keys(self.file("bad", data))
+        with self.assertRaises(update_file.UpdateError):
+            update_file.read_public_keys("/dev/zero")
+
+
+class Release(InFolder):
+    def test_a_slot_is_held_against_its_record(self):
+        content = os.urandom(200_000)
+        record = update_file.make(content, update_file.Key(b"k" * 32), board="virt", camera="usb", version="1", counter=0, letter_at=7)[1]
+        slot = bytearray(content + bytes(100_000) + record)
+        slot[7:8] = b"a"
+        content = bytes(slot[:200_000])
+        record = update_file.make(content, update_file.Key(b"k" * 32), board="virt", camera="usb", version="1", counter=0, letter_at=7)[1]
+        slot[-len(record):] = record
+        self.assertTrue(update_file.is_intact(slot))
+        slot[7:8] = b"b"  # the other slot's
+        self.assertTrue(update_file.is_intact(slot))
+        for at in (8, 150_000, len(slot) - len(record) + 100):
+            slot[at] ^= 1
+            self.assertFalse(update_file.is_intact(slot), at)
+            slot[at] ^= 1
+        self.assertFalse(update_file.is_intact(slot[:100]))
+        self.assertFalse(update_file.is_intact(bytes(300_000)))
+
+
 class Archive(unittest.TestCase):
     def test_the_same_calls_give_the_same_bytes(self):
         def one():
