@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "dsp/fusion/depth_map.h"
 #include "firmware/wire/messages/frame_info.h"
@@ -18,6 +20,17 @@ constexpr Sensors sensors_of(const FrameInfo& info) noexcept {
     return info.pmd_present != 0 ? kBothSensors : kStereoSensor;
   }
   return static_cast<Sensors>(info.sensors & kBothSensors);
+}
+
+// Also that of a sensor or a recording of before frames told range and period: zeros then.
+inline Result<FrameInfo> read_frame_info(std::span<const std::byte> payload) noexcept {
+  constexpr std::size_t kBefore = 244;
+  if (payload.size() < kBefore || payload.size() >= kFrameInfoBytes) {
+    return decode_frame_info(payload);
+  }
+  std::array<std::byte, kFrameInfoBytes> whole{};
+  std::ranges::copy(payload.first(kBefore), whole.begin());
+  return decode_frame_info(whole);
 }
 
 inline constexpr std::size_t kDrifts = std::tuple_size_v<decltype(FrameInfo::drifts)>;

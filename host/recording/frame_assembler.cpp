@@ -142,7 +142,7 @@ void FrameAssembler::take_packet(Topic topic, const mcap::Message& message, cons
     frame_->stamp = packet.stamp;
     frame_->packets = packet.packets;
     frame_->missing_packets = packet.missing_packets;
-    if (const auto info = wire::decode_frame_info(packet.payload)) {
+    if (const auto info = wire::read_frame_info(packet.payload)) {
       frame_->info = *info;
     }
     if (calibration_ && of_fingerprint(*calibration_, named_by(*frame_))) {

@@ -107,7 +107,7 @@ Placed FrameSlot::add(const wire::PacketView& part, Time now) {
 }
 
 Placed FrameSlot::add_info(const wire::PacketView& part) {
-  const Result<wire::FrameInfo> info = wire::decode_frame_info(part.payload);
+  const Result<wire::FrameInfo> info = wire::read_frame_info(part.payload);
   if (!info || info_ || !pixels_.expect(part.header, *info)) {
     return Placed::kContradicting;
   }

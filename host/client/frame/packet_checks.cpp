@@ -1,6 +1,6 @@
 #include "host/client/frame/packet_checks.h"
 
-#include "firmware/wire/messages/frame_info.h"
+#include "firmware/wire/frame_info.h"
 
 namespace stof::client {
 
@@ -9,7 +9,7 @@ bool contradicts_itself(const wire::PacketView& packet) {
   if (header.type == wire::PacketType::kTile) {
     return wire::pixel_bytes(header.stream, header.codec) != 0 && !wire::consistent_tile(packet);
   }
-  return header.type == wire::PacketType::kFrameInfo && !wire::decode_frame_info(packet.payload);
+  return header.type == wire::PacketType::kFrameInfo && !wire::read_frame_info(packet.payload);
 }
 
 bool tells_of_sensor(wire::PacketType type) noexcept {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "firmware/wire/bytes.h"
 #include "host/client/reassembler.h"
 #include "host/client/session/link_watch.h"
 #include "tests/host/client/sent_frame.h"
@@ -205,9 +206,18 @@ TEST_F(ForgedSettings, OfAnOlderSensorComeWithItsMessages) {
     say(spec);
     spec.max_range_um = 0;
     spec.period_ns = 0;
-    send(test::datagrams(spec));
+    std::vector<test::Datagram> packets = test::datagrams(spec);
+    for (test::Datagram& packet : packets) {
+      if (wire::parse_packet(packet)->header.type == wire::PacketType::kFrameInfo) {
+        packet.erase(packet.end() - 4 - 12, packet.end() - 4);
+        wire::put_u16(std::span(packet).subspan<50, 2>(), wire::kFrameInfoBytes - 12);
+        test::reseal(packet);
+      }
+    }
+    send(packets);
     const std::optional<Frame> taken = reassembler_.take(now_);
-    ASSERT_TRUE(taken && taken->calibration);
+    ASSERT_TRUE(taken && taken->calibration && taken->info);
+    EXPECT_EQ(taken->info->settings_revision, settings_);
     EXPECT_EQ(taken->calibration->max_range, kRangeUm / test::kDepthUnitUm);
     EXPECT_EQ(taken->calibration->period_ns, spec.period_ns == 0 ? 50'000'000 : 0);
   }
