@@ -11,8 +11,8 @@
 
 namespace stof::client {
 
-// How far apart frames come, and which of the periods to believe that are told in a sensor's name.
-// Frames tell their own; where they do not, of an older sensor, calibration messages:
+// How far apart frames come, and which of the periods to believe that are told in a sensor's name:
+// of a sensor whose frames tell theirs, these alone; of an older one, those of its messages.
 //  - The shortest one of the last seconds in which frames came. The sensor tells its own once a
 //    second, or with each frame where those are rarer, so a longer one that somebody else tells
 //    makes nobody wait longer for the next frame, whatever gaps he makes between frames.

@@ -22,7 +22,7 @@ struct SeenWall {
 struct ExtrinsicOptions {
   double offset_sigma_m = 0.003;  // how far PMD distances may be off, all alike
   // And each knot's by itself (kRangeStepM): what a calibration leaves of the wiggling.
-  double leftover_sigma_m = 0.0005;
+  double leftover_sigma_m = 0.001;
 };
 
 struct ExtrinsicFit {
