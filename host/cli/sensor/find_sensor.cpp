@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "host/cli/discover.h"
@@ -76,6 +77,18 @@ void refuse_rivals(const client::FoundSensor& sensor) {
   }
 }
 
+// Of another device or port: which of them was heard first says nothing.
+void refuse_second(const client::FoundSensor& sensor, std::span<const client::FoundSensor> others) {
+  const auto second = std::ranges::find(others, sensor.serial, &client::FoundSensor::serial);
+  if (second != others.end()) {
+    throw Failure(Exit::kBadInput, sensor.serial + ": two sensors near say that they have this " +
+                                       "serial number, at " + sensor.endpoint() + " and " +
+                                       second->endpoint() +
+                                       ": name the one that is meant by its address, or switch "
+                                       "one off");
+  }
+}
+
 Way look_for(const std::string& called) {
   const auto fits = [&](const client::FoundSensor& sensor) {
     return sensor.serial == called || sensor.name == called;
@@ -90,6 +103,7 @@ Way look_for(const std::string& called) {
   const auto by_serial = std::ranges::find(found, called, &client::FoundSensor::serial);
   if (by_serial != found.end()) {
     refuse_rivals(*by_serial);
+    refuse_second(*by_serial, std::span(by_serial + 1, found.end()));
     return way_to(*by_serial);
   }
   if (found.size() > 1) {

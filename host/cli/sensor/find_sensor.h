@@ -17,8 +17,8 @@ bool is_recorded(const std::string& sensor);
 // so is localhost. Any other word is looked for among the sensors near, by serial number and by
 // name, for 3 s; where none has it, it is a host's name. Looked for once in a program's life.
 // Whoever answers to a number or a name may lie: what proves a sensor is its key alone.
-// Throws Failure, bad input, where two sensors have that name, or nothing has, and where it is a
-// recording or a folder; code 1 where it is reached by broadcast alone.
+// Throws Failure, bad input, where two sensors have that number or name, or nothing has, and where
+// it is a recording or a folder; code 1 where it is reached by broadcast alone.
 std::string sensor_address(const std::string& called);
 
 // The same, open for requests: also to a sensor that is reached by broadcast alone

@@ -311,15 +311,31 @@ class ByBroadcast(Address):
         self.assertIn("by broadcast", told["place"])
         self.assertEqual(self.saved()["address"], "172.16.0.9/24")
 
-    def test_an_address_that_is_taken_is_refused(self):
-        self.pair()
-        asked = len(self.setter.log)
+    def forge(self, address, serial):
+        """Another sensor is announced there."""
         discover = wire.seal(wire.Header(type=wire.PacketType.DISCOVER), wire.Discover(request_id=7).pack())
         header, payload = wire.parse(self.link(7561, discover))
         header.origin = wire.Origin(device_id=DEVICE + 1, session_id=77)
-        other = wire.seal(header, payload)
-        stranger = subprocess.Popen(within(FAR, [sys.executable, "-c", FORGE, "192.168.1.77", other.hex()]))
+        announce = wire.Announce.unpack(payload)
+        announce.serial = serial
+        stranger = subprocess.Popen(within(FAR, [sys.executable, "-c", FORGE, address, wire.seal(header, announce.pack()).hex()]))
         self.addCleanup(lambda: (stranger.kill(), stranger.wait()))
+
+    def test_who_says_that_he_has_its_serial_number_is_not_taken_for_it(self):
+        self.pair()
+        asked = len(self.setter.log)
+        self.forge("192.168.1.77", SERIAL)
+        ended = self.stof("address", SERIAL, "192.168.1.50/24")
+        self.assertEqual((ended.returncode, ended.stdout, ended.stderr.count("\n")), (2, "", 1), ended.stderr)
+        self.assertIn("two sensors near say that they have this serial number", ended.stderr)
+        for address in ("192.168.1.77", "10.0.0.5"):
+            self.assertIn(address, ended.stderr)
+        self.assertEqual(len(self.setter.log), asked)
+
+    def test_an_address_that_is_taken_is_refused(self):
+        self.pair()
+        asked = len(self.setter.log)
+        self.forge("192.168.1.77", "00000024")
         for address, fact in (("192.168.1.77/24", "is heard there"), (OURS, "is this computer's own")):
             ended = self.stof("address", SERIAL, address)
             self.assertEqual((ended.returncode, ended.stdout, ended.stderr.count("\n")), (2, "", 1), ended.stderr)
