@@ -15,6 +15,7 @@ import struct
 import sys
 
 HEAD = struct.Struct("<8sHHI16s16s32sIIII32s")
+MOST_COUNTER = 0xFFFFFFFF
 SIGNATURE_BYTES = 64
 HEAD_BYTES = HEAD.size + SIGNATURE_BYTES
 CHUNK = 1 << 16
@@ -78,14 +79,16 @@ class Key:
 
 
 def _text(text, size, what):
-    data = text.encode()
-    if not 0 < len(data) <= size:
-        raise UpdateError(f"{what} {text!r}: takes 1 to {size} bytes")
+    data = text.encode(errors="surrogateescape")
+    if not 0 < len(data) <= size or not text.strip() or not text.isprintable():
+        raise UpdateError(f"{what} {text!r}: takes 1 to {size} bytes of printable text")
     return data
 
 
 def head(content, hashes, key, *, board, camera, version, counter, letter_at=None):
     """The signed head of a release."""
+    if not 0 <= counter <= MOST_COUNTER:
+        raise UpdateError(f"counter {counter}: takes 0 to {MOST_COUNTER}")
     signed = HEAD.pack(MAGIC, 1, 0, CHUNK, _text(board, 16, "board"), _text(camera, 16, "camera"), _text(version, 32, "version"),
                        counter, len(content), NO_LETTER if letter_at is None else letter_at, 0,
                        hashlib.blake2b(hashes, digest_size=32).digest())

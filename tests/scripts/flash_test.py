@@ -152,7 +152,7 @@ class OnFiles(unittest.TestCase):
         data[disk.SLOTS["b"].begin + 5000] ^= 1
         broken.write_bytes(data)
         for arguments, places, said in (
-                (["--name", "x" * 32], {}, "--name takes"), (["--name", ""], {}, "--name takes"),
+                (["--name", "x" * 32], {}, "--name takes"), (["--name", ""], {}, "--name takes"), (["--name", " "], {}, "--name takes"),
                 (["--name", "a\nb"], {}, "--name takes"), (["--name", 'a"b'], {}, "--name takes"), (["--name", "a\\b"], {}, "--name takes"),
                 (["--calibration", "/dev/zero"], {}, "no calibration"), (["--calibration", self.image], {}, "no calibration"),
                 (["--calibration", self.folder], {}, "no calibration"), (["--calibration", damaged], {}, "a damaged one"),

@@ -418,8 +418,12 @@ class UpdateFiles(InFolder):
             update_file.Key.read(self.file("short", b"1234"))
         with self.assertRaisesRegex(update_file.UpdateError, "name the maker's key"):
             update_file.Key.read(self.folder / "none")
-        with self.assertRaisesRegex(update_file.UpdateError, "takes 1 to 16 bytes"):
-            update_file.make(b"x", update_file.Key(bytes(32)), **(self.WORDS | {"board": "b" * 17}))
+        for words in ({"board": "b" * 17}, {"board": ""}, {"version": "1\n2"}, {"version": " "}, {"camera": "usb\udcff"}):
+            with self.assertRaisesRegex(update_file.UpdateError, "takes 1 to (16|32) bytes of printable text"):
+                update_file.make(b"x", update_file.Key(bytes(32)), **(self.WORDS | words))
+        for counter in (-1, 1 << 32):
+            with self.assertRaisesRegex(update_file.UpdateError, f"counter {counter}: takes 0 to 4294967295"):
+                update_file.make(b"x", update_file.Key(bytes(32)), **(self.WORDS | {"counter": counter}))
 
     def test_a_slot_keeps_its_end_free_of_files(self):
         path = self.folder / "slot"
