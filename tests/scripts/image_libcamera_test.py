@@ -10,7 +10,10 @@ import platform
 import re
 import sys
 import tempfile
+import types
 import unittest
+import unittest.mock
+from importlib import machinery, util
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts" / "imaging"))
@@ -59,6 +62,22 @@ class Elf(unittest.TestCase):
         for data in (b"#!/bin/sh\n", b"", b"\x7fELF\x01\x01"):
             with self.assertRaises(elf.NotElf):
                 elf.needed(data)
+
+
+class Programs(InFolder):
+    def test_a_program_that_takes_libraries_is_for_kinds_of_cameras_that_bring_them(self):
+        loader = machinery.SourceFileLoader("image", str(ROOT / "scripts" / "image"))
+        image = util.module_from_spec(util.spec_from_loader("image", loader))
+        loader.exec_module(image)
+        options = types.SimpleNamespace(board="virt", camera="usb", stofd=self.file("stofd", pi_libraries.elf()))
+        usb, csi = (types.SimpleNamespace(program="stofd", libcamera=kind) for kind in (None, "imx296"))
+        takes = pathlib.Path(sys.executable).resolve().read_bytes()
+        for data, plan in ((pi_libraries.elf(), usb), (takes, csi)):
+            with unittest.mock.patch.object(image, "stripped", return_value=data):
+                self.assertEqual(image.program_of(options, plan), data)
+        with (unittest.mock.patch.object(image, "stripped", return_value=takes),
+              self.assertRaisesRegex(recipe.RecipeError, "takes libraries, which the image of camera usb has not")):
+            image.program_of(options, usb)
 
 
 class Closure(InFolder):

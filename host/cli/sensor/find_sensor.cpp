@@ -81,11 +81,11 @@ void refuse_rivals(const client::FoundSensor& sensor) {
 void refuse_second(const client::FoundSensor& sensor, std::span<const client::FoundSensor> others) {
   const auto second = std::ranges::find(others, sensor.serial, &client::FoundSensor::serial);
   if (second != others.end()) {
-    throw Failure(Exit::kBadInput, sensor.serial + ": two sensors near say that they have this " +
-                                       "serial number, at " + sensor.endpoint() + " and " +
-                                       second->endpoint() +
-                                       ": name the one that is meant by its address, or switch "
-                                       "one off");
+    throw Failure(Exit::kBadInput,
+                  sensor.serial + ": two sensors near say that they have this serial number, at " +
+                      sensor.endpoint() + " and " + second->endpoint() +
+                      ": switch one off, or name the one that is meant by its address, where this "
+                      "computer reaches it");
   }
 }
 
