@@ -299,7 +299,7 @@ class Sources(unittest.TestCase):
         self.assertEqual(view.stop(), 0)
 
     def test_headless_writes_pictures_and_serves_nothing(self):
-        sensor = self.start(Sensor, "--size", "640x480")  # its files take longer than a period on most machines
+        sensor = self.start(Sensor, "--size", "160x120", "--period-ms", "200")
         out = pathlib.Path(self.folder) / "pictures"
         ended = subprocess.run([*COMMAND, "view", f"127.0.0.1:{sensor.port}", "--timeout", "20", "--frames", "5", "--headless", str(out)],
                                capture_output=True, text=True, timeout=ENOUGH_S, check=False)
