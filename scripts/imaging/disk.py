@@ -2,10 +2,12 @@
 
 MBR and not GPT: every boot loader of a Raspberry Pi reads it, four partitions are enough, and it is one sector. Two disks
 of the same files are equal byte for byte: numbers that others draw at random are fixed here, times are those of the caller.
+The sector behind the table is the image's seal, a hash of all the rest: what was damaged on its way is told before it is flashed.
 Needs mkfs.vfat, mcopy, mke2fs and debugfs (scripts/setup image); no root.
 """
 
 import collections
+import hashlib
 import os
 import pathlib
 import shutil
@@ -33,6 +35,7 @@ SEED_AT, SEED_BYTES = FILES_BYTES, SECTOR
 UUID = "73746f66-0000-4000-8000-000000000004"  # of the settings' file system
 ENTRY = struct.Struct("<B3sB3sII")
 ENTRIES_AT = 446
+SEAL_MAGIC = b"STOFIMG\0"
 
 
 class DiskError(Exception):
@@ -57,10 +60,6 @@ def run(command, epoch=None, **options):
         said = (done.stderr or done.stdout).decode(errors="replace").strip().splitlines()
         raise DiskError(f"{command[0]} failed: {said[-1] if said else done.returncode}")
     return done.stdout
-
-
-# Of FAT32: the boot sector and its copy, and where they have the serial.
-BOOT_SECTORS, SERIAL = (0, 6), range(67, 71)
 
 
 def mbr():
@@ -159,17 +158,15 @@ def used_part(path):
     return data[:max(0, end)]
 
 
-def are_alike(first, second):
-    """Whether slots A and B of an image, as bytes, are of one release: their serials, labels and letters alone differ."""
-    for begin in range(0, len(first), BLOCK):
-        one, other = first[begin:begin + BLOCK], second[begin:begin + BLOCK]
-        if one == other:
-            continue
-        for at, pair in enumerate(zip(one, other, strict=True), begin):
-            is_serial = at // SECTOR in BOOT_SECTORS and at % SECTOR in SERIAL
-            if pair[0] != pair[1] and bytes(pair) not in (b"AB", b"ab") and not is_serial:
-                return False
-    return len(first) == len(second)
+def seal(image):
+    """The sector of an image's bytes that tells whether they are those that were built."""
+    rest = memoryview(image)
+    return (SEAL_MAGIC + hashlib.sha256(bytes(rest[:SECTOR]) + rest[2 * SECTOR:]).digest()).ljust(SECTOR, b"\0")
+
+
+def sealed(image, sector):
+    """The image with that sector in place of its seal."""
+    return image[:SECTOR] + sector + image[2 * SECTOR:]
 
 
 def put_record(path, record):
@@ -194,6 +191,10 @@ def assemble(path, images):
                     else:
                         disk.seek(len(block), os.SEEK_CUR)
         disk.truncate(SIZE)
+    with open(part_file, "r+b") as disk:
+        sector = seal(disk.read())
+        disk.seek(SECTOR)
+        disk.write(sector)
     part_file.replace(path)
 
 

@@ -2,11 +2,14 @@
 """Documents of the settings partition without a file system, as firmware/records/README.md has them: the first ones of a card,
 and the directories that list them.
 
-`records.py FILE` lists those of an image, of a card (the device), or of the settings partition.
+`records.py FILE` lists those of an image, of a card (the device), or of the settings partition; it ends with 2 where FILE is none.
 """
 
+import argparse
 import collections
 import os
+import pathlib
+import stat
 import struct
 import sys
 
@@ -120,27 +123,45 @@ def newest(part, name):
 
 
 def main():
-    with open(sys.argv[1], "rb") as file:
-        part = Part(file, settings_begin(file))
-        for name in SIZES:
-            found = [read(part, area, name) for area in range(2)]
-            if any(found):
-                print(f"{name}: " + ", ".join("none that is whole" if one is None else "set aside" if one.data is None else
-                                              f"generation {one.generation}, {len(one.data)} bytes" for one in found))
-        for area in range(2):
-            known = listed(part, area)
-            print(f"directory {area}: " + ("none that is whole" if known is None else
-                                           ", ".join(f"{name} {generation}" for name, generation in known.items()) or "nothing"))
+    parser = argparse.ArgumentParser(description="lists the documents that a card keeps")
+    parser.add_argument("file", type=pathlib.Path, help="an image, a card (the device), or a card's settings partition")
+    path = parser.parse_args().file
+    try:
+        if not stat.S_ISREG(kind := os.stat(path).st_mode) and not stat.S_ISBLK(kind):
+            raise disk.DiskError(f"{path}: is neither a file nor a disk")
+        with open(path, "rb") as file:
+            list_documents(Part(file, settings_begin(path, file)))
+    except OSError as error:
+        print(f"records: {path}: {error.strerror}", file=sys.stderr)
+        return 2
+    except disk.DiskError as error:
+        print(f"records: {error}: name an image, a card, or the settings partition of one", file=sys.stderr)
+        return 2
+    return 0
 
 
-def settings_begin(file):
-    """Of an image, a disk, or the settings partition alone."""
+def list_documents(part):
+    for name in SIZES:
+        found = [read(part, area, name) for area in range(2)]
+        if any(found):
+            print(f"{name}: " + ", ".join("none that is whole" if one is None else "set aside" if one.data is None else
+                                          f"generation {one.generation}, {len(one.data)} bytes" for one in found))
+    for area in range(2):
+        known = listed(part, area)
+        print(f"directory {area}: " + ("none that is whole" if known is None else
+                                       ", ".join(f"{name} {generation}" for name, generation in known.items()) or "nothing"))
+
+
+def settings_begin(path, file):
+    """Of an image, a disk, or the settings partition alone, as long as it is."""
     size = file.seek(0, os.SEEK_END)
     file.seek(0)
     whole = file.read(disk.SECTOR) == disk.mbr()
-    if size < disk.SETTINGS.size:
-        raise OSError(f"{sys.argv[1]} is none")
-    return disk.SETTINGS.begin if whole else size - disk.SETTINGS.size
+    if whole and size < disk.SIZE:
+        raise disk.DiskError(f"{path}: has {size} bytes of an image's {disk.SIZE}: it was cut")
+    if not whole and size != disk.SETTINGS.size:
+        raise disk.DiskError(f"{path}: has {size} bytes and no partition table of a card; a settings partition has {disk.SETTINGS.size}")
+    return disk.SETTINGS.begin if whole else 0
 
 
 class Part:
@@ -157,7 +178,4 @@ class Part:
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except (OSError, IndexError, struct.error) as wrong:
-        sys.exit(f"records: name an image, a disk, or the settings partition of one: {wrong}")
+    sys.exit(main())

@@ -46,7 +46,7 @@ class System:
         return {pathlib.PurePath(line.split()[0]).name for line in lines if line.strip()}
 
     def backed_by(self, path):
-        """Loop devices of that file: their folders in /sys."""
+        """Loop devices of that file or device: their folders in /sys."""
         loops = []
         for backing in (self.root / "sys" / "block").glob("loop*/loop/backing_file"):
             if backing.read_text().strip() == str(path):
@@ -55,7 +55,7 @@ class System:
 
 
 def _users(system, folder, mounts, swaps):
-    """Who uses a disk: [where its parts, and what is made of them, are mounted]."""
+    """Who uses a disk: [where its parts, and what is made of them, are mounted], at any depth."""
     users = []
     for part in [folder, *(child for child in sorted(folder.iterdir()) if (child / "partition").exists())]:
         users += mounts.get((part / "dev").read_text().strip(), [])
@@ -64,7 +64,13 @@ def _users(system, folder, mounts, swaps):
         holders = part / "holders"
         for holder in sorted(holders.iterdir()) if holders.is_dir() else []:
             users += _users(system, holder.resolve(), mounts, swaps) or [holder.name]
+        users += _users_of_loops(system, f"/dev/{part.name}", mounts, swaps)
     return users
+
+
+def _users_of_loops(system, path, mounts, swaps):
+    """Who uses the loop devices of a file or a device."""
+    return [user for loop in system.backed_by(path) for user in _users(system, loop, mounts, swaps) or [loop.name]]
 
 
 def check(path, image, system=None):
@@ -77,8 +83,8 @@ def check(path, image, system=None):
     if os.path.samestat(found, os.stat(image)):
         raise TargetError(f"{path} is the image itself: name a device or another file")
     if stat.S_ISREG(found.st_mode):
-        folders, about, size = system.backed_by(os.path.realpath(path)), "a file", found.st_size
-        users = [user for loop in folders for user in _users(system, loop, system.mounts(), system.swaps()) or [loop.name]]
+        about, size = "a file", found.st_size
+        users = _users_of_loops(system, os.path.realpath(path), system.mounts(), system.swaps())
     elif stat.S_ISBLK(found.st_mode):
         number = f"{os.major(found.st_rdev)}:{os.minor(found.st_rdev)}"
         folder = system.block(number)

@@ -121,21 +121,6 @@ def read_public_keys(path):
     return "".join(f"{line}\n" for line in lines).encode()
 
 
-def is_intact(slot):
-    """Whether the bytes of a slot are those that the record at its end was made of, whichever slot it is."""
-    try:
-        magic, version, _, chunk, *_, length, letter_at, _, digest = HEAD.unpack_from(slot, len(slot) - RECORD)
-    except struct.error:
-        return False
-    if (magic, version, chunk) != (MAGIC, 1, CHUNK) or length > len(slot) - RECORD:
-        return False
-    content = bytearray(slot[:length])
-    if letter_at < length:
-        content[letter_at:letter_at + 1] = b"a"
-    hashes = b"".join(hashlib.blake2b(content[at:at + CHUNK], digest_size=32).digest() for at in range(0, length, CHUNK))
-    return hashlib.blake2b(hashes, digest_size=32).digest() == digest
-
-
 if __name__ == "__main__":
     try:
         print(Key.read(*sys.argv[1:2] or ("",)).public.hex())

@@ -6,6 +6,7 @@ import os
 import pathlib
 import pty
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -52,7 +53,7 @@ class OnFiles(unittest.TestCase):
         images = {part: cls.common / part.label for part in disk.PARTITIONS}
         key = update_file.Key.developers(cls.common / "key")
         for part in disk.PARTITIONS[:3]:
-            disk.fat(images[part], part, {"cmdline.txt": part.label.encode()}, EPOCH)
+            disk.fat(images[part], part, {"cmdline.txt": part.label.encode(), flash.OPTIONS_FILE: b"--guided\n--help\n--size\n"}, EPOCH)
         release = disk.used_part(images[disk.SLOTS["a"]])
         for part in disk.SLOTS.values():
             disk.put_record(images[part], update_file.make(release, key, board="virt", camera="usb", version="1", counter=0)[1])
@@ -88,7 +89,7 @@ class OnFiles(unittest.TestCase):
         self.assertEqual(done.stderr, "")  # no bar: this is no terminal
         code = CODE.search(done.stdout)[1]
         with open(self.card, "rb") as card, open(self.image, "rb") as image:
-            self.assertTrue(card.read(disk.SETTINGS.begin) == image.read(disk.SETTINGS.begin))
+            self.assertTrue(card.read(disk.SETTINGS.begin) == disk.sealed(image.read(disk.SETTINGS.begin), bytes(disk.SECTOR)))
         part = self.settings()
         self.assertEqual(disk.read_ext4(part, "rig.cal"), CALIBRATION)
         with open(part, "rb") as open_part:
@@ -116,6 +117,7 @@ class OnFiles(unittest.TestCase):
         """On a terminal: code, all that was shown."""
         child, terminal = pty.fork()
         if child == 0:
+            signal.signal(signal.SIGINT, signal.SIG_DFL)  # whoever started this test may have it ignored
             os.execv(sys.executable, [sys.executable, "-B", str(FLASH), str(self.image), str(self.card)])
         shown = b""
         try:
@@ -133,10 +135,11 @@ class OnFiles(unittest.TestCase):
         self.assertEqual(code, 2)
         self.assertIn("nothing was written", shown)
         self.assertEqual(self.card.read_bytes()[:3], b"old")
-        code, shown = self.answered(b"\4")
-        self.assertEqual(code, 2)
-        self.assertNotIn("Traceback", shown)
-        self.assertIn("nothing was written", shown)
+        for ends in (b"\4", b"\3"):  # Ctrl-D, Ctrl-C
+            code, shown = self.answered(ends)
+            self.assertEqual(code, 2)
+            self.assertNotIn("Traceback", shown)
+            self.assertIn("nothing was written", shown)
         code, shown = self.answered(b"yes\n")
         self.assertEqual(code, 0, shown)
         self.assertIn("writing [" + "#" * 40 + "] 100 %", shown)
@@ -147,16 +150,13 @@ class OnFiles(unittest.TestCase):
         short.write_bytes(b"x" * 100)
         damaged = self.folder / "damaged.cal"
         damaged.write_bytes(CALIBRATION[:-1] + b"?")
-        broken = self.folder / "broken"
-        data = bytearray(self.image.read_bytes())
-        data[disk.SLOTS["b"].begin + 5000] ^= 1
-        broken.write_bytes(data)
         for arguments, places, said in (
                 (["--name", "x" * 32], {}, "--name takes"), (["--name", ""], {}, "--name takes"), (["--name", " "], {}, "--name takes"),
                 (["--name", "a\nb"], {}, "--name takes"), (["--name", 'a"b'], {}, "--name takes"), (["--name", "a\\b"], {}, "--name takes"),
                 (["--calibration", "/dev/zero"], {}, "no calibration"), (["--calibration", self.image], {}, "no calibration"),
                 (["--calibration", self.folder], {}, "no calibration"), (["--calibration", damaged], {}, "a damaged one"),
-                (["--option=--size 640x480"], {}, "one word"), ([], {"image": broken}, "slot B holds other bytes"), ([], {"image": "/dev/zero"}, "no image of scripts/image"),
+                (["--option=--size 640x480"], {}, "one word"), (["--option=--nonsense"], {}, "no word of this"), (["--option=--help"], {}, "no word of this"),
+                (["--option=foo"], {}, "is no option"), (["--option=--size=2x2", "--option=3"], {}, "--option=3: is no option"), ([], {"image": "/dev/zero"}, "no image of scripts/image"),
                 (["--address", "192.168.7.2"], {}, "--address takes"),
                 (["--address", "192.168.7.0/24"], {}, "no address of a host"), (["--address", "dhcp", "--address", "::1/64"], {}, "--address takes"),
                 (["--address", "10.0.0.2/24", "--address", "10.0.0.3/24"], {}, "one fixed address"),
@@ -171,6 +171,47 @@ class OnFiles(unittest.TestCase):
             self.assertIn(said, done.stderr)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
             self.assertEqual(self.card.read_bytes()[:3], b"old")
+
+    def test_a_flipped_bit_anywhere_in_an_image_is_told(self):
+        broken = self.folder / "broken"
+        for at in (440, disk.SECTOR + 20, 2 * disk.SECTOR, disk.BOOT.begin + 3, disk.SLOTS["a"].begin + 5000, disk.SLOTS["b"].begin + 5000,
+                   disk.SETTINGS.begin + disk.MIB, disk.SIZE - 1):
+            data = bytearray(self.image.read_bytes())
+            data[at] ^= 1
+            broken.write_bytes(data)
+            done = self.run_flash("--yes", image=broken)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), (at, done.stderr))
+            self.assertRegex(done.stderr, "no image of scripts/image" if at < disk.SECTOR else "other bytes than were built")
+            self.assertEqual(self.card.read_bytes()[:3], b"old")
+
+    def test_options_are_those_of_the_images_program(self):
+        done = self.run_flash("--yes", "--option=--guided", "--option=--size", "--option=1x1", "--option=--size=2x2")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(disk.read_ext4(self.settings(), "options"), b"--guided\n--size\n1x1\n--size=2x2\n")
+
+    def run_records(self, *arguments):
+        return subprocess.run([sys.executable, "-B", records.__file__, *arguments], text=True, stdin=subprocess.DEVNULL, capture_output=True,
+                              check=False, timeout=60)
+
+    def test_what_a_card_keeps_is_listed(self):
+        self.assertEqual(self.run_flash("--yes", "--name", "front").returncode, 0)
+        for path in (self.card, self.settings()):
+            done = self.run_records(path)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertRegex(done.stdout, "^settings: generation 1, [0-9]+ bytes, generation 1, [0-9]+ bytes\ndirectory 0: settings 1\n")
+
+    def test_what_is_no_card_has_no_documents(self):
+        pipe, cut, other = self.folder / "pipe", self.folder / "cut", self.folder / "other"
+        os.mkfifo(pipe)
+        cut.write_bytes(self.image.read_bytes()[:disk.SIZE - 1])
+        other.write_bytes(b"x" * 100)
+        for path, said in ((pipe, "neither a file nor a disk"), (cut, "it was cut"), (other, "no partition table"), (self.folder, "neither a file"),
+                           ("/dev/null", "neither a file"), (self.folder / "none", "No such file")):
+            done = self.run_records(path)
+            self.assertEqual((done.returncode, done.stderr.count("\n"), done.stdout), (2, 1, ""), done.stderr)
+            self.assertIn(said, done.stderr)
+        self.assertEqual(self.run_records().returncode, 2)
+        self.assertEqual(self.run_records("--help").returncode, 0)
 
     def test_a_card_that_keeps_other_bytes_is_told(self):
         data = self.image.read_bytes()
@@ -266,6 +307,17 @@ class Disks(unittest.TestCase):
         self.refused("in use .dm-0")
         self.mounts("30 1 253:0 / /home rw - ext4 /dev/mapper/home rw")
         self.refused("a disk of this system ./home")
+
+    def test_loop_devices_of_its_parts_count_at_any_depth(self):
+        for number, backing in ((1, "/dev/sdx1"), (2, "/dev/loop1p1")):
+            self.put(f"sys/devices/loop{number}/dev", f"7:{number}")
+            self.put(f"sys/devices/loop{number}/loop/backing_file", backing)
+            self.put(f"sys/devices/loop{number}/loop{number}p1/dev", f"259:{number}")
+            self.put(f"sys/devices/loop{number}/loop{number}p1/partition", "1")
+            self.link(f"sys/block/loop{number}", self.root / f"sys/devices/loop{number}")
+        self.refused("in use .loop2")
+        self.mounts("30 1 259:2 / /media/inner rw - vfat /dev/loop2p1 rw")
+        self.refused("in use ./media/inner")
 
     def test_a_card_that_is_small_or_locked_is_refused(self):
         self.put("sys/devices/sdx/ro", "1")

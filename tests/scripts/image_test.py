@@ -325,26 +325,6 @@ class Arguments(InFolder):
             update_file.read_public_keys("/dev/zero")
 
 
-class Release(InFolder):
-    def test_a_slot_is_held_against_its_record(self):
-        content = os.urandom(200_000)
-        record = update_file.make(content, update_file.Key(b"k" * 32), board="virt", camera="usb", version="1", counter=0, letter_at=7)[1]
-        slot = bytearray(content + bytes(100_000) + record)
-        slot[7:8] = b"a"
-        content = bytes(slot[:200_000])
-        record = update_file.make(content, update_file.Key(b"k" * 32), board="virt", camera="usb", version="1", counter=0, letter_at=7)[1]
-        slot[-len(record):] = record
-        self.assertTrue(update_file.is_intact(slot))
-        slot[7:8] = b"b"  # the other slot's
-        self.assertTrue(update_file.is_intact(slot))
-        for at in (8, 150_000, len(slot) - len(record) + 100):
-            slot[at] ^= 1
-            self.assertFalse(update_file.is_intact(slot), at)
-            slot[at] ^= 1
-        self.assertFalse(update_file.is_intact(slot[:100]))
-        self.assertFalse(update_file.is_intact(bytes(300_000)))
-
-
 class Archive(unittest.TestCase):
     def test_the_same_calls_give_the_same_bytes(self):
         def one():
