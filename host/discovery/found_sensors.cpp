@@ -198,7 +198,9 @@ bool FoundSensors::take_packet(std::span<const std::byte> datagram, const std::s
   }
   sensor.answers_link =
       sensor.answers_link || (method == DiscoveryMethod::kBeacon && announce->request_id != 0);
-  sensor.name = shown(announce->name);
+  if (std::string name = shown(announce->name); name != sensor.name) {
+    sensor.other_name = std::exchange(sensor.name, std::move(name));
+  }
   sensor.version = shown(announce->version);
   sensor.board = shown(announce->board);
   sensor.health = packet->header.frame.health;

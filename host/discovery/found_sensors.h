@@ -26,6 +26,7 @@ struct FoundSensor {
   std::uint32_t session_id = 0;  // of the newest datagram; 0: known from multicast DNS alone
   std::string serial{};
   std::string name{};
+  std::string other_name{};  // that a datagram of before gave; empty: there is none
   std::string version{};
   std::string board{};
   // Numeric, of the surest method; of link-local IPv6 with %interface; kNoAddress: it has none.

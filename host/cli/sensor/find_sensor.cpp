@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -10,6 +11,7 @@
 
 #include "host/cli/discover.h"
 #include "host/cli/failure.h"
+#include "host/cli/sensor/confirm_sensor.h"
 #include "host/client/control/link_transport.h"
 #include "host/client/sensor_socket.h"
 #include "host/discovery/discover.h"
@@ -22,21 +24,12 @@ bool is_address(const std::string& called) {
          called.find_first_of(".:[") != std::string::npos;
 }
 
+using Fits = std::function<bool(const client::FoundSensor&)>;
+
 struct Way {
   std::string endpoint;                    // HOST[:PORT]
   std::optional<client::LinkTarget> link;  // it answers by broadcast alone
 };
-
-Way way_to(const client::FoundSensor& sensor) {
-  Way way{.endpoint = sensor.endpoint(), .link = {}};
-  if (sensor.by_link_alone()) {
-    way.link = client::LinkTarget{.device_id = sensor.device_id,
-                                  .session_id = sensor.session_id,
-                                  .port = sensor.port,
-                                  .called = sensor.serial};
-  }
-  return way;
-}
 
 void refuse_folder(const std::string& called) {
   std::error_code error;
@@ -89,8 +82,25 @@ void refuse_second(const client::FoundSensor& sensor, std::span<const client::Fo
   }
 }
 
+Way way_to(const std::string& called, const client::FoundSensor& sensor,
+           std::span<const client::FoundSensor> heard, const Fits& fits) {
+  refuse_rivals(sensor);
+  Way way{.endpoint = sensor.endpoint(), .link = {}};
+  if (!sensor.by_link_alone()) {
+    way.endpoint = confirmed_endpoint(called, sensor, fits);
+  } else {
+    // Whoever is asked so is answered by anybody: what was heard is all there is.
+    refuse_contradiction(sensor, heard);
+    way.link = client::LinkTarget{.device_id = sensor.device_id,
+                                  .session_id = sensor.session_id,
+                                  .port = sensor.port,
+                                  .called = sensor.serial};
+  }
+  return way;
+}
+
 Way look_for(const std::string& called) {
-  const auto fits = [&](const client::FoundSensor& sensor) {
+  const Fits fits = [&](const client::FoundSensor& sensor) {
     return sensor.serial == called || sensor.name == called;
   };
   const auto sensors = client::discover({.timeout = std::chrono::seconds(3), .wanted = fits});
@@ -102,9 +112,8 @@ Way look_for(const std::string& called) {
   // A serial number is one sensor's; a name may be another one's number.
   const auto by_serial = std::ranges::find(found, called, &client::FoundSensor::serial);
   if (by_serial != found.end()) {
-    refuse_rivals(*by_serial);
     refuse_second(*by_serial, std::span(by_serial + 1, found.end()));
-    return way_to(*by_serial);
+    return way_to(called, *by_serial, *sensors, fits);
   }
   if (found.size() > 1) {
     throw Failure(Exit::kBadInput, called + ": " + std::to_string(found.size()) +
@@ -127,10 +136,8 @@ Way look_for(const std::string& called) {
                       ": does not exist: no file, no sensor near and no host has that name: "
                       "stof discover lists the sensors");
   }
-  if (!found.empty()) {
-    refuse_rivals(found.front());
-  }
-  return found.empty() ? Way{.endpoint = called, .link = {}} : way_to(found.front());
+  return found.empty() ? Way{.endpoint = called, .link = {}}
+                       : way_to(called, found.front(), *sensors, fits);
 }
 
 // Looked for once.

@@ -15,8 +15,9 @@ bool is_recorded(const std::string& sensor);
 
 // HOST[:PORT] of what a user calls a sensor. What has a dot or a colon is an address already, and
 // so is localhost. Any other word is looked for among the sensors near, by serial number and by
-// name, for 3 s; where none has it, it is a host's name. Looked for once in a program's life.
-// Whoever answers to a number or a name may lie: what proves a sensor is its key alone.
+// name, for 3 s, and asked there itself (confirm_sensor.h); where none has it, it is a host's name.
+// Looked for once in a program's life. Whoever answers to a number or a name may lie: what proves
+// a sensor is its key alone.
 // Throws Failure, bad input, where two sensors have that number or name, or nothing has, and where
 // it is a recording or a folder; code 1 where it is reached by broadcast alone.
 std::string sensor_address(const std::string& called);

@@ -311,15 +311,18 @@ class ByBroadcast(Address):
         self.assertIn("by broadcast", told["place"])
         self.assertEqual(self.saved()["address"], "172.16.0.9/24")
 
-    def forge(self, address, serial):
-        """Another sensor is announced there."""
+    def forge(self, address, serial, origin=wire.Origin(device_id=DEVICE + 1, session_id=77), name=None, request_id=7):
+        """Another sensor is announced there; origin None: this one, with that number and name."""
         discover = wire.seal(wire.Header(type=wire.PacketType.DISCOVER), wire.Discover(request_id=7).pack())
         header, payload = wire.parse(self.link(7561, discover))
-        header.origin = wire.Origin(device_id=DEVICE + 1, session_id=77)
+        header.origin = origin or header.origin
         announce = wire.Announce.unpack(payload)
         announce.serial = serial
+        announce.name = name or announce.name
+        announce.request_id = request_id
         stranger = subprocess.Popen(within(FAR, [sys.executable, "-c", FORGE, address, wire.seal(header, announce.pack()).hex()]))
         self.addCleanup(lambda: (stranger.kill(), stranger.wait()))
+        return stranger
 
     def test_who_says_that_he_has_its_serial_number_is_not_taken_for_it(self):
         self.pair()
@@ -331,6 +334,41 @@ class ByBroadcast(Address):
         for address in ("192.168.1.77", "10.0.0.5"):
             self.assertIn(address, ended.stderr)
         self.assertEqual(len(self.setter.log), asked)
+
+    def refused(self, words, *said):
+        ended = self.stof(*words)
+        self.assertEqual((ended.returncode, ended.stdout, ended.stderr.count("\n")), (2, "", 1), ended.stderr)
+        for one in said:
+            self.assertIn(one, ended.stderr)
+
+    def test_who_announces_it_with_another_number_or_name_is_told(self):
+        stranger = self.forge("10.0.0.5", "00000055", origin=None)
+        self.refused(("config", "00000055", "get", "name"), "one sensor near is announced with the serial numbers", SERIAL)
+        stranger.kill()
+        self.forge("10.0.0.5", SERIAL, origin=None, name="rear")
+        self.refused(("config", "rear", "get", "name"), "is announced with the names", "'rear'")
+
+    def test_an_announcement_that_leads_to_another_sensor_is_told(self):
+        with self.log.open("a", encoding="utf-8") as log:
+            other = subprocess.Popen(within(THIRD, [*STOFD, "--size", "64x48", "--pmd", "32x24", "--device", "36", "--name", "front", "--settings",
+                                                    str(self.folder / "other.json")]), stdout=log, stderr=log)
+        self.addCleanup(lambda: (other.terminate(), other.wait(ENOUGH_S)))
+        self.until(lambda: self.stof("config", "192.168.1.200", "get", "name").returncode == 0)
+        self.assertEqual(self.ask("config", "front", "get", "name").strip(), "front")
+        self.forge("192.168.1.200", "00000055", origin=wire.Origin(device_id=0x55, session_id=77), name="rear", request_id=0)
+        for words in (("config", "00000055", "set", "name=it"), ("config", "rear", "get"), ("info", "00000055"), ("view", "rear", "--frames", "1")):
+            self.refused(words, "what is announced as this sensor leads to 192.168.1.200:7560", "where sensor 00000024 ('front') answers")
+        self.assertEqual(self.ask("config", "00000024", "get", "name").strip(), "front")
+
+    def test_a_second_address_that_answers_as_it_is_told(self):
+        self.pair()
+        self.ask("address", SERIAL, "192.168.1.50/24")
+        self.assertEqual(self.stof("config", SERIAL, "get", "network.address").stderr, "")
+        self.relay()
+        ended = self.until(lambda: (asked := self.stof("config", SERIAL, "get", "network.address")).stderr and asked)
+        self.assertIn("answer as this sensor; the first is asked", ended.stderr)
+        for address in ("192.168.1.50:7560", "192.168.1.200:7560"):
+            self.assertIn(address, ended.stderr)
 
     def test_an_address_that_is_taken_is_refused(self):
         self.pair()

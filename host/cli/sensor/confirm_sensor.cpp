@@ -1,0 +1,103 @@
+#include "host/cli/sensor/confirm_sensor.h"
+
+#include <algorithm>
+#include <chrono>
+#include <string_view>
+#include <vector>
+
+#include "host/cli/failure.h"
+#include "host/cli/output.h"
+#include "host/discovery/discover.h"
+
+namespace stof::host {
+namespace {
+
+constexpr std::size_t kMostAsked = 4;  // any host may be made to look like one of its addresses
+
+bool is_ipv6(const std::string& address) { return address.find(':') != std::string::npos; }
+
+// First where it was found, then all others that all programs take, then those of IPv6.
+std::vector<std::string> places_of(const client::FoundSensor& sensor) {
+  std::vector<std::string> addresses{sensor.address};
+  for (const bool later : {false, true}) {
+    for (const std::string& address : sensor.heard) {
+      if (is_ipv6(address) == later && address != sensor.address) {
+        addresses.push_back(address);
+      }
+    }
+  }
+  std::erase(addresses, client::kNoAddress);
+  addresses.resize(std::min(addresses.size(), kMostAsked));
+  return addresses;
+}
+
+// It runs on this computer, or is reached as if: no other host has such an address.
+bool is_here(const client::FoundSensor& sensor) {
+  return std::ranges::any_of(
+      sensor.heard, [](const std::string& address) { return address.starts_with("127."); });
+}
+
+std::string shown(const client::FoundSensor& sensor) {
+  return sensor.serial + " ('" + sensor.name + "')";
+}
+
+}  // namespace
+
+std::string confirmed_endpoint(const std::string& called, const client::FoundSensor& sensor,
+                               const std::function<bool(const client::FoundSensor&)>& fits) {
+  using std::chrono_literals::operator""ms;
+  std::vector<std::string> own;
+  std::string other;  // and where it answers
+  for (const std::string& address : places_of(sensor)) {
+    // Once it is found, a second address matters where any host could have it.
+    if (!own.empty() && (is_ipv6(address) || is_here(sensor))) {
+      break;
+    }
+    client::FoundSensor at = sensor;
+    at.address = address;
+    const auto answer = client::ask_sensor(at.endpoint(), own.empty() ? 1200ms : 400ms);
+    if (!answer) {
+      continue;
+    }
+    if (answer->device_id == sensor.device_id && answer->serial == sensor.serial && fits(*answer)) {
+      own.push_back(at.endpoint());
+    } else if (other.empty()) {
+      other = at.endpoint() + ", where sensor " + shown(*answer) + " answers";
+    }
+  }
+  if (own.empty() && !other.empty()) {
+    throw Failure(Exit::kBadInput,
+                  called + ": what is announced as this sensor leads to " + other +
+                      ": somebody near announces what is not so, or it has just been changed: name "
+                      "the sensor that is meant by its address");
+  }
+  if (own.size() > 1) {
+    say_aside("stof: " + called + ": " + own[0] + " and " + own[1] +
+              " answer as this sensor; the first is asked. Its key alone tells who it is (stof "
+              "pair)");
+  }
+  return own.empty() ? sensor.endpoint() : own.front();
+}
+
+void refuse_contradiction(const client::FoundSensor& sensor,
+                          std::span<const client::FoundSensor> heard) {
+  const auto twin = std::ranges::find_if(heard, [&](const client::FoundSensor& other) {
+    return other.device_id == sensor.device_id && other.session_id == sensor.session_id &&
+           sensor.session_id != 0 && other.serial != sensor.serial;
+  });
+  if (twin != heard.end()) {
+    throw Failure(Exit::kBadInput, "one sensor near is announced with the serial numbers " +
+                                       sensor.serial + " and " + twin->serial +
+                                       ": somebody announces what is not so: name the sensor that "
+                                       "is meant by its address, where this computer reaches it");
+  }
+  if (!sensor.other_name.empty()) {
+    throw Failure(Exit::kBadInput,
+                  sensor.serial + ": is announced with the names '" + sensor.name + "' and '" +
+                      sensor.other_name +
+                      "': somebody announces what is not so, or it has just been changed: name it "
+                      "by its address, where this computer reaches it, or try again");
+  }
+}
+
+}  // namespace stof::host

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+
+#include "host/discovery/found_sensors.h"
+
+// What is told to a whole link anybody on it may have made up, and sent from any address. So
+// whoever is found by a number or a name is asked himself, alone, at the address that he is found
+// at.
+namespace stof::host {
+
+// Where the sensor itself says that it is this one, and that it is called so: HOST:PORT; where
+// nobody answers at once, where it was heard. fits: whether a sensor is called as the user said.
+// Says so on stderr where two addresses answer. Throws Failure, bad input, where others answer, or
+// where the link tells that it has two serial numbers, or is called otherwise, too.
+std::string confirmed_endpoint(const std::string& called, const client::FoundSensor& sensor,
+                               const std::function<bool(const client::FoundSensor&)>& fits);
+
+// Of all that was heard, something that one sensor cannot be: its device id and session with
+// another serial number, or two names. Throws Failure, bad input.
+void refuse_contradiction(const client::FoundSensor& sensor,
+                          std::span<const client::FoundSensor> heard);
+
+}  // namespace stof::host
