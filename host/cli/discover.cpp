@@ -34,7 +34,26 @@ std::vector<std::string> methods_of(const client::FoundSensor& sensor) {
   return names;
 }
 
+// Two rows of one serial number are rivals, too. sensors: in the order of their numbers.
+void note_rivals(std::vector<client::FoundSensor>& sensors) {
+  for (std::size_t i = 1; i < sensors.size(); ++i) {
+    client::FoundSensor& one = sensors[i - 1];
+    client::FoundSensor& other = sensors[i];
+    if (one.serial == other.serial) {
+      one.rival = one.rival.empty() ? other.endpoint() : one.rival;
+      other.rival = one.endpoint();
+    }
+  }
+}
+
 }  // namespace
+
+void say_flood(std::size_t sensors) {
+  if (sensors >= client::kMostFound) {
+    say_aside("stof: " + std::to_string(client::kMostFound) +
+              " sensors are announced, as many as are kept: somebody near floods this network");
+  }
+}
 
 std::string discover_line(const client::FoundSensor& sensor) {
   std::string line = sensor.serial + " '" + sensor.name + "' at " + sensor.endpoint() + ": " +
@@ -86,15 +105,19 @@ std::string discover_json(const std::vector<client::FoundSensor>& sensors) {
 void discover(const DiscoverCommand& command) {
   const auto timeout = std::chrono::duration_cast<std::chrono::milliseconds>(
       std::chrono::duration<double>(command.timeout_s));
-  const auto sensors =
+  auto sensors =
       value_or_fail(client::discover({.timeout = timeout, .addresses = command.addresses}));
+  note_rivals(sensors);
+  say_flood(sensors.size());
   if (command.json) {
     say(discover_json(sensors));
   } else {
+    std::string told;  // the number whose rivals were
     for (const client::FoundSensor& sensor : sensors) {
       say(discover_line(sensor));
-      if (!sensor.rival.empty()) {
+      if (!sensor.rival.empty() && told != sensor.serial) {
         say(rival_text(sensor));
+        told = sensor.serial;
       }
     }
   }

@@ -19,8 +19,10 @@ struct DiscoverCommand {
 std::string discover_line(const client::FoundSensor& sensor);
 // One that two sensors answer as: which, and what to do.
 std::string rival_text(const client::FoundSensor& sensor);
-// The same as a JSON array.
+// All of them as a JSON array.
 std::string discover_json(const std::vector<client::FoundSensor>& sensors);
+// Says on stderr where so many were found that some may be missing.
+void say_flood(std::size_t sensors);
 
 // `stof discover`: lists the sensors near. Throws Failure, also where there is none.
 void discover(const DiscoverCommand& command);

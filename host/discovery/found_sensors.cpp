@@ -14,7 +14,6 @@ namespace {
 
 namespace dns = wire::dns;
 
-constexpr std::size_t kMostSensors = 1000;  // bounds what strangers can make us keep
 constexpr unsigned kMostRecords = 256;
 constexpr std::size_t kMostHeard = 16;
 
@@ -25,6 +24,10 @@ std::string endpoint_of(const std::string& address, std::uint16_t port) {
 
 // Of IPv6: it means something by one interface alone.
 bool is_link_local(const std::string& address) { return address.find('%') != std::string::npos; }
+
+bool has_answered(const FoundSensor& sensor) {
+  return sensor.answers_link || sensor.methods[static_cast<std::size_t>(DiscoveryMethod::kDirect)];
+}
 
 // Up to the first 0.
 std::string shown(std::string_view text) { return printable(text.substr(0, text.find('\0'))); }
@@ -122,11 +125,19 @@ FoundSensor& FoundSensors::entry(std::uint32_t device_id, const std::string& ser
   if (known != sensors_.end()) {
     return *known;
   }
-  if (sensors_.size() == kMostSensors) {
-    sensors_.pop_back();
-    std::erase_if(answers_, [this](const Answer& one) { return one.sensor == sensors_.size(); });
+  FoundSensor made{.device_id = device_id, .serial = serial, .port = port};
+  if (sensors_.size() < kMostFound) {
+    return sensors_.emplace_back(std::move(made));
   }
-  return sensors_.emplace_back(FoundSensor{.device_id = device_id, .serial = serial, .port = port});
+  // The newest of those that were only announced goes.
+  const auto announced =
+      std::ranges::find_if(sensors_.rbegin(), sensors_.rend(),
+                           [](const FoundSensor& one) { return !has_answered(one); });
+  FoundSensor& place = announced == sensors_.rend() ? sensors_.back() : *announced;
+  const auto at = static_cast<std::size_t>(&place - sensors_.data());
+  std::erase_if(answers_, [at](const Answer& one) { return one.sensor == at; });
+  place = std::move(made);
+  return place;
 }
 
 void FoundSensors::found_by(FoundSensor& sensor, const std::string& from, DiscoveryMethod method) {
@@ -150,7 +161,7 @@ void FoundSensors::note_address(FoundSensor& sensor, const std::string& from,
   const bool answers = sensor.methods[static_cast<std::size_t>(DiscoveryMethod::kDirect)] ||
                        method == DiscoveryMethod::kDirect;
   std::string endpoint = endpoint_of(from, sensor.port);
-  if (!answers && asked_.size() < kMostSensors && asked_.insert(endpoint).second) {
+  if (!answers && asked_.size() < kMostFound && asked_.insert(endpoint).second) {
     silent_.push_back(std::move(endpoint));
   }
   if (sensor.heard.size() < kMostHeard &&

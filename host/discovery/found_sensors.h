@@ -18,6 +18,9 @@ enum class DiscoveryMethod : std::uint8_t { kMdns, kBeacon, kDirect };
 inline constexpr std::size_t kDiscoveryMethods = 3;
 const char* to_string(DiscoveryMethod method) noexcept;
 
+// That are kept: it bounds what strangers can make us keep. Who has answered stays.
+inline constexpr std::size_t kMostFound = 1000;
+
 // From which a sensor answers by broadcast that has no IPv4 address.
 inline constexpr const char* kNoAddress = "0.0.0.0";
 

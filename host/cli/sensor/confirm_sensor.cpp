@@ -41,42 +41,77 @@ std::string shown(const client::FoundSensor& sensor) {
   return sensor.serial + " ('" + sensor.name + "')";
 }
 
-}  // namespace
+struct Answers {
+  std::vector<std::string> own;  // where it says that it is this sensor: HOST:PORT
+  std::string other{};           // where another one answers, and which; empty: there is none
+};
 
-std::string confirmed_endpoint(const std::string& called, const client::FoundSensor& sensor,
-                               const std::function<bool(const client::FoundSensor&)>& fits) {
+Answers ask_places(const client::FoundSensor& sensor,
+                   const std::function<bool(const client::FoundSensor&)>& fits) {
   using std::chrono_literals::operator""ms;
-  std::vector<std::string> own;
-  std::string other;  // and where it answers
+  Answers heard;
   for (const std::string& address : places_of(sensor)) {
     // Once it is found, a second address matters where any host could have it.
-    if (!own.empty() && (is_ipv6(address) || is_here(sensor))) {
+    if (!heard.own.empty() && (is_ipv6(address) || is_here(sensor))) {
       break;
     }
     client::FoundSensor at = sensor;
     at.address = address;
-    const auto answer = client::ask_sensor(at.endpoint(), own.empty() ? 1200ms : 400ms);
+    const auto answer = client::ask_sensor(at.endpoint(), heard.own.empty() ? 1200ms : 400ms);
     if (!answer) {
       continue;
     }
     if (answer->device_id == sensor.device_id && answer->serial == sensor.serial && fits(*answer)) {
-      own.push_back(at.endpoint());
-    } else if (other.empty()) {
-      other = at.endpoint() + ", where sensor " + shown(*answer) + " answers";
+      heard.own.push_back(at.endpoint());
+    } else if (heard.other.empty()) {
+      heard.other = at.endpoint() + ", where sensor " + shown(*answer) + " answers";
     }
   }
-  if (own.empty() && !other.empty()) {
+  return heard;
+}
+
+}  // namespace
+
+std::string confirmed_endpoint(const std::string& called, const client::FoundSensor& sensor,
+                               const std::function<bool(const client::FoundSensor&)>& fits) {
+  const Answers heard = ask_places(sensor, fits);
+  if (heard.own.empty() && !heard.other.empty()) {
     throw Failure(Exit::kBadInput,
-                  called + ": what is announced as this sensor leads to " + other +
+                  called + ": what is announced as this sensor leads to " + heard.other +
                       ": somebody near announces what is not so, or it has just been changed: name "
                       "the sensor that is meant by its address");
   }
-  if (own.size() > 1) {
-    say_aside("stof: " + called + ": " + own[0] + " and " + own[1] +
+  if (heard.own.size() > 1) {
+    say_aside("stof: " + called + ": " + heard.own[0] + " and " + heard.own[1] +
               " answer as this sensor; the first is asked. Its key alone tells who it is (stof "
               "pair)");
   }
-  return own.empty() ? sensor.endpoint() : own.front();
+  return heard.own.empty() ? sensor.endpoint() : heard.own.front();
+}
+
+std::vector<client::FoundSensor> still_there(
+    std::span<const client::FoundSensor> found,
+    const std::function<bool(const client::FoundSensor&)>& fits) {
+  const auto again = client::discover({.timeout = std::chrono::seconds(1)});
+  std::vector<client::FoundSensor> there;
+  if (!again) {
+    return there;
+  }
+  const auto is_found = [&](const client::FoundSensor& now) {
+    return std::ranges::any_of(found, [&](const client::FoundSensor& before) {
+      return before.device_id == now.device_id && before.serial == now.serial &&
+             before.port == now.port;
+    });
+  };
+  for (const client::FoundSensor& now : *again) {
+    const bool answers =
+        now.answers_link || now.methods[static_cast<std::size_t>(client::DiscoveryMethod::kDirect)];
+    if (answers && is_found(now) && there.size() < kMostAsked &&
+        (now.by_link_alone() || !ask_places(now, fits).own.empty())) {
+      there.push_back(now);
+    }
+  }
+  return there;
 }
 
 void refuse_contradiction(const client::FoundSensor& sensor,

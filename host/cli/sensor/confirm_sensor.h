@@ -3,6 +3,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "host/discovery/found_sensors.h"
 
@@ -17,6 +18,13 @@ namespace stof::host {
 // where the link tells that it has two serial numbers, or is called otherwise, too.
 std::string confirmed_endpoint(const std::string& called, const client::FoundSensor& sensor,
                                const std::function<bool(const client::FoundSensor&)>& fits);
+
+// Those of several found ones that are there now: they answer when all of the link are asked once
+// more, and where packets go to them alone they say there that they are this one. One that has
+// started again at another port was two a moment ago. Blocks for a second, or a few.
+std::vector<client::FoundSensor> still_there(
+    std::span<const client::FoundSensor> found,
+    const std::function<bool(const client::FoundSensor&)>& fits);
 
 // Of all that was heard, something that one sensor cannot be: its device id and session with
 // another serial number, or two names. Throws Failure, bad input.

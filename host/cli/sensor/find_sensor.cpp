@@ -70,16 +70,28 @@ void refuse_rivals(const client::FoundSensor& sensor) {
   }
 }
 
-// Of another device or port: which of them was heard first says nothing.
-void refuse_second(const client::FoundSensor& sensor, std::span<const client::FoundSensor> others) {
-  const auto second = std::ranges::find(others, sensor.serial, &client::FoundSensor::serial);
-  if (second != others.end()) {
-    throw Failure(Exit::kBadInput,
-                  sensor.serial + ": two sensors near say that they have this serial number, at " +
-                      sensor.endpoint() + " and " + second->endpoint() +
-                      ": switch one off, or name the one that is meant by its address, where this "
-                      "computer reaches it");
+// The one of several that is there, if it is one alone: which was heard first says nothing.
+client::FoundSensor one_of(const std::string& called, std::span<const client::FoundSensor> found,
+                           const Fits& fits) {
+  std::vector<client::FoundSensor> there = still_there(found, fits);
+  if (there.size() == 1) {
+    return std::move(there.front());
   }
+  const client::FoundSensor& first = there.empty() ? found[0] : there[0];
+  const client::FoundSensor& second = there.empty() ? found[1] : there[1];
+  if (first.serial == second.serial) {
+    throw Failure(
+        Exit::kBadInput,
+        called + ": two sensors near say that they have " +
+            (first.serial == called ? "this serial number" : "serial number " + first.serial) +
+            ", at " + first.endpoint() + " and " + second.endpoint() +
+            ": switch one off, or name the one that is meant by its address, where this "
+            "computer reaches it");
+  }
+  throw Failure(Exit::kBadInput, called + ": " +
+                                     std::to_string(there.empty() ? found.size() : there.size()) +
+                                     " sensors have that name: name one by its serial number, " +
+                                     first.serial + " or " + second.serial);
 }
 
 Way way_to(const std::string& called, const client::FoundSensor& sensor,
@@ -107,18 +119,15 @@ Way look_for(const std::string& called) {
   if (!sensors) {
     throw Failure(Exit::kFailure, sensors.error().message);
   }
+  say_flood(sensors->size());
   std::vector<client::FoundSensor> found;
   std::ranges::copy_if(*sensors, std::back_inserter(found), fits);
   // A serial number is one sensor's; a name may be another one's number.
-  const auto by_serial = std::ranges::find(found, called, &client::FoundSensor::serial);
-  if (by_serial != found.end()) {
-    refuse_second(*by_serial, std::span(by_serial + 1, found.end()));
-    return way_to(called, *by_serial, *sensors, fits);
+  if (std::ranges::find(found, called, &client::FoundSensor::serial) != found.end()) {
+    std::erase_if(found, [&](const client::FoundSensor& one) { return one.serial != called; });
   }
   if (found.size() > 1) {
-    throw Failure(Exit::kBadInput, called + ": " + std::to_string(found.size()) +
-                                       " sensors have that name: name one by its serial number, " +
-                                       found[0].serial + " or " + found[1].serial);
+    found = {one_of(called, found, fits)};
   }
   // The system takes a number for an address: 1 for 0.0.0.1.
   const bool is_number = called.find_first_not_of("0123456789") == std::string::npos;

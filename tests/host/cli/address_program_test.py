@@ -335,6 +335,11 @@ class ByBroadcast(Address):
             self.assertIn(address, ended.stderr)
         self.assertEqual(len(self.setter.log), asked)
 
+    def test_one_that_was_there_before_at_another_port_is_not_a_second_one(self):
+        stranger = self.forge("192.168.1.77", SERIAL, request_id=0)  # tells, and answers nobody
+        self.assertEqual(self.ask("config", SERIAL, "get", "network.address").strip(), FIRST)
+        self.assertIsNone(stranger.poll())
+
     def refused(self, words, *said):
         ended = self.stof(*words)
         self.assertEqual((ended.returncode, ended.stdout, ended.stderr.count("\n")), (2, "", 1), ended.stderr)

@@ -163,5 +163,29 @@ TEST(FoundSensors, BearsAnyBytes) {
   EXPECT_LE(found.sorted().size(), 1000U);
 }
 
+TEST(FoundSensors, AFloodOfBeaconsLeavesWhoHasAnswered) {
+  FoundSensors found;
+  EXPECT_TRUE(found.take_packet(announcement("early"), "192.0.2.3", DiscoveryMethod::kDirect));
+  for (std::uint16_t port = 1; port <= 3 * kMostFound; ++port) {
+    EXPECT_TRUE(found.take_packet(announcement("B", port), "192.0.2.2", DiscoveryMethod::kBeacon));
+    if (port == 2 * kMostFound) {
+      EXPECT_TRUE(found.take_packet(announcement("late"), "192.0.2.4", DiscoveryMethod::kDirect));
+    }
+  }
+  const std::vector<FoundSensor> sensors = found.sorted();
+  EXPECT_EQ(sensors.size(), kMostFound);
+  EXPECT_EQ(std::ranges::count(sensors, "early", &FoundSensor::serial), 1);
+  EXPECT_EQ(std::ranges::count(sensors, "late", &FoundSensor::serial), 1);
+}
+
+TEST(FoundSensors, TwoNamesOfOneSensorAreKept) {
+  FoundSensors found;
+  found.take_mdns(mdns_answer(), "192.0.2.2");
+  EXPECT_EQ(found.sorted()[0].other_name, "");
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "192.0.2.2", DiscoveryMethod::kDirect));
+  EXPECT_EQ(found.sorted()[0].name, "");
+  EXPECT_EQ(found.sorted()[0].other_name, "front");
+}
+
 }  // namespace
 }  // namespace stof::client
