@@ -34,6 +34,13 @@ def is_for_arm64(data):
     return data[:6] == MAGIC and len(data) >= 64 and struct.unpack_from("<H", data, 18)[0] == EM_AARCH64
 
 
+def is_whole(data):
+    """Whether the table of sections, which comes last in what compilers write, is there."""
+    at, = struct.unpack_from("<Q", data, 40)
+    size, count = struct.unpack_from("<HH", data, 58)
+    return at + size * count <= len(data)
+
+
 def interpreter(data):
     """The path of the program interpreter; None of a static program."""
     for kind, offset, _, _ in _segments(data):

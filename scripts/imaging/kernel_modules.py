@@ -5,6 +5,8 @@ import pathlib
 import re
 import struct
 
+import elf
+
 SIGNED = b"~Module signature appended~\n"
 SIGNATURE_FIELDS = struct.Struct(">5B3xI")  # struct module_signature of the kernel; the last is the signature's length
 
@@ -40,11 +42,16 @@ class Modules:
         path = self.paths.get(name)
         if path is None:
             raise SystemExit(f"initramfs: the kernel in {self.folder} has no module {name}: check its name, or toolchains/kernel.sh")
+        if not path.is_file():
+            raise ModuleError(f"{path}: is no file: unpack its package anew")
         data = path.read_bytes()
         try:
-            return unsigned(lzma.decompress(data) if path.suffix == ".xz" else data)
+            data = unsigned(lzma.decompress(data) if path.suffix == ".xz" else data)
         except (lzma.LZMAError, struct.error) as error:
             raise ModuleError(f"{path}: is no module: unpack its package anew ({error})") from error
+        if not elf.is_for_arm64(data) or not elf.is_whole(data) or f"\0name={name}\0".encode() not in data:
+            raise ModuleError(f"{path}: is not the whole module {name} for 64-bit ARM: unpack its package anew")
+        return data
 
     def has(self, name):
         """It is a module, or part of the kernel."""

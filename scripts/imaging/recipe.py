@@ -4,11 +4,14 @@ import gzip
 import json
 import pathlib
 import re
+import struct
+import zlib
 
 import kernel_modules
 
 GZIP = b"\x1f\x8b"
 TRY_WORD = b"tryboot"  # of kernels of Raspberry Pi that know it
+CERTIFICATES = 144  # in the optional header of PE32+: where the signature is
 RAW_MAGIC = (0x38, b"ARM\x64")  # of an uncompressed arm64 kernel
 
 
@@ -43,6 +46,22 @@ class Recipe:
         self.files = boot["files"] + kind.get("files", [])
         self.modules = table["modules"] + kind.get("modules", [])
         self.settings_devices = table["settings_devices"]
+
+
+def _length_told(kernel):
+    """Where the last section, or the signature, ends of a kernel that UEFI can start, too (PE/COFF); 0 of another one."""
+    try:
+        at, = struct.unpack_from("<I", kernel, 60)
+        if kernel[:2] != b"MZ" or kernel[at:at + 4] != b"PE\0\0":
+            return 0
+        sections, = struct.unpack_from("<H", kernel, at + 6)
+        options, = struct.unpack_from("<H", kernel, at + 20)
+        places = [struct.unpack_from("<II", kernel, at + 24 + options + 40 * k + 16) for k in range(sections)]
+        if options >= CERTIFICATES + 8:
+            places.append(struct.unpack_from("<II", kernel, at + 24 + CERTIFICATES)[::-1])
+    except struct.error:
+        return 0
+    return max((begin + size for size, begin in places), default=0)
 
 
 class KernelTree:
@@ -109,7 +128,14 @@ class KernelTree:
     def compressed(self):
         """The kernel, as slots hold it."""
         data = self.image.read_bytes()
+        packed = data[:2] == GZIP
+        try:
+            raw = gzip.decompress(data) if packed else data
+        except (EOFError, OSError, zlib.error) as error:
+            raise RecipeError(f"{self.image}: is damaged: unpack {self.recipe.package} anew (dpkg -x)") from error
         offset, magic = RAW_MAGIC
-        if data[:2] != GZIP and data[offset:offset + len(magic)] != magic:
+        if raw[offset:offset + len(magic)] != magic:
             raise RecipeError(f"{self.image}: no kernel for 64-bit ARM")
-        return data if data[:2] == GZIP else gzip.compress(data, 6, mtime=0)
+        if len(raw) < _length_told(raw):
+            raise RecipeError(f"{self.image}: is cut: unpack {self.recipe.package} anew (dpkg -x)")
+        return data if packed else gzip.compress(data, 6, mtime=0)

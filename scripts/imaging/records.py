@@ -117,6 +117,12 @@ def read(part, area, name):
     return Record(generation, None if flags & ABSENT else data) if crc32c(data) == data_crc else None
 
 
+def is_begun(part, area, name):
+    """Something was written there once."""
+    part.seek(AREAS[area] + _place(name)[1])
+    return any(part.read(HEAD_BYTES))
+
+
 def newest(part, name):
     """What a sensor takes: the newer whole one of both areas; None: there is none."""
     return max(filter(None, (read(part, area, name) for area in range(2))), default=None, key=lambda found: found.generation)
@@ -143,7 +149,7 @@ def main():
 def list_documents(part):
     for name in SIZES:
         found = [read(part, area, name) for area in range(2)]
-        if any(found):
+        if any(found) or any(is_begun(part, area, name) for area in range(2)):
             print(f"{name}: " + ", ".join("none that is whole" if one is None else "set aside" if one.data is None else
                                           f"generation {one.generation}, {len(one.data)} bytes" for one in found))
     for area in range(2):

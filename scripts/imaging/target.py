@@ -109,9 +109,9 @@ def check(path, image, system=None):
     return f"{path}: {about}, {size / 1e6:.0f} MB"
 
 
-def contents(path):
-    """Lines: what is on it now and will be gone."""
-    with open(path, "rb") as device:
-        found = disk.partitions(device.read(disk.SECTOR))
+def contents(device):
+    """Lines: what is on an open one now and will be gone."""
+    device.seek(0)
+    found = disk.partitions(device.read(disk.SECTOR))
     return [f"  partition {k}: type {kind:#04x}, {size / 1e6:.0f} MB" for k, (kind, _, size) in enumerate(found, 1)] or [
         "  no partitions that an MBR tells of"]

@@ -53,7 +53,7 @@ class OnFiles(unittest.TestCase):
         images = {part: cls.common / part.label for part in disk.PARTITIONS}
         key = update_file.Key.developers(cls.common / "key")
         for part in disk.PARTITIONS[:3]:
-            disk.fat(images[part], part, {"cmdline.txt": part.label.encode(), flash.OPTIONS_FILE: b"--guided\n--help\n--size\n"}, EPOCH)
+            disk.fat(images[part], part, {"cmdline.txt": part.label.encode(), flash.OPTIONS_FILE: b"--guided\n--help\n--size WxH\n"}, EPOCH)
         release = disk.used_part(images[disk.SLOTS["a"]])
         for part in disk.SLOTS.values():
             disk.put_record(images[part], update_file.make(release, key, board="virt", camera="usb", version="1", counter=0)[1])
@@ -113,8 +113,8 @@ class OnFiles(unittest.TestCase):
         self.assertIn("--yes", done.stderr)
         self.assertEqual(self.card.read_bytes()[:3], b"old")
 
-    def answered(self, answer):
-        """On a terminal: code, all that was shown."""
+    def answered(self, answer, before=lambda: None):
+        """On a terminal: code, all that was shown. before: what happens while it asks."""
         child, terminal = pty.fork()
         if child == 0:
             signal.signal(signal.SIGINT, signal.SIG_DFL)  # whoever started this test may have it ignored
@@ -124,6 +124,7 @@ class OnFiles(unittest.TestCase):
             while chunk := os.read(terminal, 4096):
                 shown += chunk
                 if shown.endswith(b"Type yes: "):
+                    before()
                     os.write(terminal, answer)
         except OSError:  # the other end is closed
             pass
@@ -156,7 +157,8 @@ class OnFiles(unittest.TestCase):
                 (["--calibration", "/dev/zero"], {}, "no calibration"), (["--calibration", self.image], {}, "no calibration"),
                 (["--calibration", self.folder], {}, "no calibration"), (["--calibration", damaged], {}, "a damaged one"),
                 (["--option=--size 640x480"], {}, "one word"), (["--option=--nonsense"], {}, "no word of this"), (["--option=--help"], {}, "no word of this"),
-                (["--option=foo"], {}, "is no option"), (["--option=--size=2x2", "--option=3"], {}, "--option=3: is no option"), ([], {"image": "/dev/zero"}, "no image of scripts/image"),
+                (["--option=foo"], {}, "no word of this"), (["--option=--guided", "--option=3"], {}, "no word of this"), (["--option=--size=2x2"], {}, "no word of this"),
+                (["--option=--size"], {}, "takes WxH"), (["--option=--size", "--option=--guided"], {}, "takes WxH"), ([], {"image": "/dev/zero"}, "no image of scripts/image"),
                 (["--address", "192.168.7.2"], {}, "--address takes"),
                 (["--address", "192.168.7.0/24"], {}, "no address of a host"), (["--address", "dhcp", "--address", "::1/64"], {}, "--address takes"),
                 (["--address", "10.0.0.2/24", "--address", "10.0.0.3/24"], {}, "one fixed address"),
@@ -185,9 +187,9 @@ class OnFiles(unittest.TestCase):
             self.assertEqual(self.card.read_bytes()[:3], b"old")
 
     def test_options_are_those_of_the_images_program(self):
-        done = self.run_flash("--yes", "--option=--guided", "--option=--size", "--option=1x1", "--option=--size=2x2")
+        done = self.run_flash("--yes", "--option=--guided", "--option=--size", "--option=1x1")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(disk.read_ext4(self.settings(), "options"), b"--guided\n--size\n1x1\n--size=2x2\n")
+        self.assertEqual(disk.read_ext4(self.settings(), "options"), b"--guided\n--size\n1x1\n")
 
     def run_records(self, *arguments):
         return subprocess.run([sys.executable, "-B", records.__file__, *arguments], text=True, stdin=subprocess.DEVNULL, capture_output=True,
@@ -215,25 +217,42 @@ class OnFiles(unittest.TestCase):
 
     def test_a_card_that_keeps_other_bytes_is_told(self):
         data = self.image.read_bytes()
-        flash.write(self.card, data)
-        flash.compare(self.card, data)
-        for at in (0, disk.SLOTS["b"].begin + 5, disk.SIZE - 1):
-            with open(self.card, "r+b") as card:
+        with flash.opened(self.card) as card:
+            flash.write(card, data)
+            flash.compare(card, data)
+            for at in (0, disk.SLOTS["b"].begin + 5, disk.SIZE - 1):
                 card.seek(at)
                 byte = card.read(1)[0]
                 card.seek(at)
                 card.write(bytes([byte ^ 1]))
-            with self.assertRaisesRegex(flash.WrittenOtherwise, "use another card"):
-                flash.compare(self.card, data)
-            flash.write(self.card, data)
+                with self.assertRaisesRegex(flash.WrittenOtherwise, "use another card"):
+                    flash.compare(card, data)
+                flash.write(card, data)
 
     def test_a_card_that_was_pulled_out_has_no_partitions(self):
         data = self.image.read_bytes()
-        flash.write(self.card, data)
-        with unittest.mock.patch.object(flash.Progress, "add", side_effect=OSError(5, "pulled out")):
-            with self.assertRaises(OSError):
-                flash.write(self.card, data)
+        with flash.opened(self.card) as card:
+            flash.write(card, data)
+            with unittest.mock.patch.object(flash.Progress, "add", side_effect=OSError(5, "pulled out")):
+                with self.assertRaises(OSError):
+                    flash.write(card, data)
         self.assertEqual(disk.partitions(self.card.read_bytes()[:disk.SECTOR]), [])
+
+    def test_two_at_once_do_not_write_one_card(self):
+        with flash.opened(self.card):
+            done = self.run_flash("--yes")
+        self.assertEqual((done.returncode, done.stderr.count("\n"), done.stdout), (2, 1, ""), done.stderr)
+        self.assertIn("is in use", done.stderr)
+
+    def test_a_file_that_takes_the_place_of_the_card_is_not_written(self):
+        other = self.folder / "other"
+        other.write_bytes(b"mine")
+        os.truncate(other, disk.SIZE)
+        for replace in (lambda: os.replace(other, self.card), lambda: (self.card.unlink(), self.card.symlink_to(self.image))):
+            code, shown = self.answered(b"yes\n", replace)
+            self.assertEqual(code, 2)
+            self.assertRegex(shown, "another one than when you were asked: nothing was written|is the image itself")
+            self.assertEqual(self.card.read_bytes()[:4], b"mine" if not self.card.is_symlink() else self.image.read_bytes()[:4])
 
 
 class Disks(unittest.TestCase):

@@ -17,6 +17,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts" / "imaging"))
 import cpio  # noqa: E402
 import disk  # noqa: E402
+import kernel_modules  # noqa: E402
 import recipe  # noqa: E402
 import records  # noqa: E402
 import sbom  # noqa: E402
@@ -202,11 +203,41 @@ class Packages(InFolder):
 
     def test_a_module_counts_by_any_name_that_kernels_have_it_by(self):
         modules = self.folder / f"usr/lib/modules/{VERSION}/kernel/drivers"
-        (modules / "bcm2835-unicam-legacy.ko").rename(modules / "bcm2835-unicam.ko")
+        (modules / "bcm2835-unicam-legacy.ko").unlink()
+        (modules / "bcm2835-unicam.ko").write_bytes(pi_packages.module("bcm2835_unicam"))
         self.assertIn("bcm2835_unicam", [name for name, _ in self.tree().module_files()])
         (modules / "bcm2835-unicam.ko").unlink()
         with self.assertRaisesRegex(recipe.RecipeError, "lacks module bcm2835_unicam_legacy or bcm2835_unicam: unpack"):
             self.tree()
+
+    def test_a_module_that_is_another_one_or_not_whole_is_refused(self):
+        path = self.folder / f"usr/lib/modules/{VERSION}/kernel/drivers/imx296.ko"
+        whole = pi_packages.module("imx296")
+        cut = whole[:40] + (1000).to_bytes(8, "little") + whole[48:58] + b"\x40\0\2\0" + whole[62:]  # its sections are gone
+        for data in (b"", b"text", pi_packages.module("other"), whole.replace(b"\xb7", b"\x3e"), cut):
+            path.write_bytes(data)
+            with self.assertRaisesRegex(kernel_modules.ModuleError, "not the whole module imx296 for 64-bit ARM"):
+                self.tree().module_files()
+        path.unlink()
+        os.mkfifo(path)
+        with self.assertRaisesRegex(kernel_modules.ModuleError, "is no file"):
+            self.tree().module_files()
+
+    def test_a_kernel_that_was_cut_is_refused(self):
+        head = bytearray(512)
+        head[:2], head[56:64], head[60:64] = b"MZ", b"ARM\x64\x40\0\0\0", (64).to_bytes(4, "little")
+        head[64:72] = b"PE\0\0\x64\xaa\1\0"
+        head[84:86] = (160).to_bytes(2, "little")
+        head[88 + 144:88 + 152] = (2000).to_bytes(4, "little") + (100).to_bytes(4, "little")  # the signature
+        head[88 + 160 + 16:88 + 160 + 24] = (1000).to_bytes(4, "little") + (512).to_bytes(4, "little")
+        whole = bytes(head).ljust(2100, b"\1")
+        for data in (whole, gzip.compress(whole)):
+            self.file(f"boot/vmlinuz-{VERSION}", data)
+            self.assertEqual(gzip.decompress(self.tree().compressed()), whole)
+        for data, said in ((whole[:-1], "is cut"), (whole[:1600], "is cut"), (gzip.compress(whole)[:-30], "is damaged")):
+            self.file(f"boot/vmlinuz-{VERSION}", data)
+            with self.assertRaisesRegex(recipe.RecipeError, said):
+                self.tree().compressed()
 
     def test_a_kernel_that_is_compressed_stays_as_it_is(self):
         packed = gzip.compress(IMAGE)

@@ -7,6 +7,11 @@ KERNEL = bytes(56) + b"ARM\x64" + bytes(1000)  # what tells a kernel for 64-bit 
 BUILT_IN = ("ext4", "mmc_block")
 
 
+def module(name, depends=""):
+    """What tells a kernel module for 64-bit ARM."""
+    return (b"\x7fELF\x02\x01".ljust(18, b"\0") + b"\xb7").ljust(64, b"\0") + f"\0name={name}\0depends={depends}\0".encode()
+
+
 def make(folder, plan):
     """All that the recipe `plan` names, in `folder`. The kernel's version."""
     version = f"6.12.34+rpt{plan.flavour}"
@@ -21,7 +26,7 @@ def make(folder, plan):
     file(f"{modules}/modules.builtin", "".join(f"kernel/fs/{name}.ko\n" for name in BUILT_IN).encode())
     for name in (names.split("|")[0] for names in plan.modules):
         if name not in BUILT_IN:
-            file(f"{modules}/kernel/drivers/{name.replace('_', '-')}.ko", b"\0depends=\0")
+            file(f"{modules}/kernel/drivers/{name.replace('_', '-')}.ko", module(name))
     trees = f"usr/lib/linux-image-{version}"
     for name in plan.files:
         firmware = name.endswith((".elf", ".dat"))

@@ -134,6 +134,20 @@ def gives_no_depth(scene, image, work, report, name, said):
         report.none(f"{name}: frames", rig.receiver.count())
 
 
+def starts_without_words_that_it_refuses(scene, image, work, report):
+    folder = work / "words"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    card = folder / "card.img"
+    flashed(image, card, machine.free_udp_port(), "dhcp", "--calibration", scene.calibration, "--option=--threads", "--option=99")
+    boot, words = boot_rom.loaded(card, "a", folder)
+    with machine.Machine(*boot, command_line=words, drive=card, log=folder / "console.log") as guest:
+        guest.go()
+        for said in ("stofd ended with 2", "stofd starts without the words of the card", "listening at UDP port"):
+            guest.console.plain(said, timeout=120)
+    report.figure("a card's words that stofd refuses", "left out", "left out", True)
+
+
 def documented_ports():
     """{(protocol, port)} of the table in docs/HARDWARE.md."""
     text = (ROOT / "docs" / "HARDWARE.md").read_text()
@@ -281,6 +295,7 @@ def run(options):
         for slot, section, address in STARTS:
             case(f"slot_{slot}", slot_starts, scene, image, work, report, slot, section, address)
         case("open", nothing_more_is_open, scene, image, work, report)
+        case("words", starts_without_words_that_it_refuses, scene, image, work, report)
         for name, said in LACKING:
             case(name, gives_no_depth, scene, image, work, report, name, said)
     for board in ("rpi4", "rpi5"):
@@ -293,7 +308,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--programs", default=ROOT / "build/emu/bin", help="this machine's stofd and test programs")
     parser.add_argument("--work", default=ROOT / "build/system/image")
-    parser.add_argument("--case", action="append", help="only these: slot_a, slot_b, open, no_calibration, no_settings, image_rpi4, image_rpi5")
+    parser.add_argument("--case", action="append", help="only these: slot_a, slot_b, open, words, no_calibration, no_settings, image_rpi4, image_rpi5")
     options = parser.parse_args()
     with contextlib.suppress(PermissionError):
         os.nice(-10)
