@@ -44,6 +44,9 @@ client::ControlOptions control_of(const std::string& file, const std::string& se
     control.keys = meant.keys;
     control.device_id = meant.device;
   }
+  if (!control.device_id && !sensor.empty()) {
+    control.device_id = found_device(sensor);
+  }
   if (!flags.serial.empty()) {
     control.unsigned_answers = client::Unsigned::kAlways;
   }
@@ -65,9 +68,17 @@ std::vector<wire::Key> own_keys(const std::string& file, const wire::KeyTable& k
   return own;
 }
 
+client::Meant meant_by(const std::string& file, const wire::KeyTable& keys,
+                       const std::string& sensor, client::Asked asked) {
+  if (!asked.device) {
+    asked.device = serial_device(sensor);
+  }
+  return value_or_fail(client::meant_sensor(file, keys, sensor, asked));
+}
+
 client::Meant meant_or_fail(const std::string& file, const wire::KeyTable& keys,
                             const std::string& sensor, const client::Asked& asked) {
-  client::Meant meant = value_or_fail(client::meant_sensor(file, keys, sensor, asked));
+  client::Meant meant = meant_by(file, keys, sensor, asked);
   if (!meant.doubt.empty()) {
     throw Failure(Exit::kBadInput, (sensor.empty() ? file : sensor) + ": " + meant.doubt +
                                        " (--device NUMBER or --key ID)");

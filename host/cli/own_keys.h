@@ -44,7 +44,12 @@ std::unique_ptr<client::ControlTransport> open_way(const char* command, const st
 std::vector<wire::Key> own_keys(const std::string& file, const wire::KeyTable& keys,
                                 std::uint32_t device);
 
-// Throws Failure where nobody knows which of several sensors is meant.
+// Who is meant: by what the user says, by the serial number that he names it by, or by the key that
+// was proven there. Throws Failure.
+client::Meant meant_by(const std::string& file, const wire::KeyTable& keys,
+                       const std::string& sensor, client::Asked asked);
+
+// The same. Throws Failure where nobody knows which of several sensors is meant, too.
 client::Meant meant_or_fail(const std::string& file, const wire::KeyTable& keys,
                             const std::string& sensor, const client::Asked& asked);
 

@@ -11,6 +11,7 @@
 #include "firmware/wire/keys/key_text.h"
 #include "host/cli/failure.h"
 #include "host/cli/own_keys.h"
+#include "host/cli/sensor/find_sensor.h"
 #include "host/client/control/known_sensors.h"
 #include "host/client/control/user_keys.h"
 #include "host/text/printed.h"
@@ -22,7 +23,7 @@ PairingTerms pairing_terms(const ControlFlags& flags, const std::string& sensor,
   return {.sensor = sensor,
           .serial = flags.serial,
           .baud = flags.baud,
-          .device = flags.device,
+          .device = flags.device ? flags.device : serial_device(sensor),
           .timeout_s = flags.timeout_s,
           .file = file};
 }

@@ -39,6 +39,9 @@ client::Receiver open_receiver(ReceiveOptions& options, const wire::RawRequest& 
   where.address = options.bind.value_or(where.address);
   where.port = options.port.value_or(where.port);
   where.reassembler = options.reassembler;
+  if (!options.device && !options.sensor.empty()) {
+    options.device = found_device(options.sensor);
+  }
   where.reassembler.device_id = options.device;
   std::expected<client::Receiver, client::OpenError> receiver = client::Receiver::open(where);
   if (!receiver) {

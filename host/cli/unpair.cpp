@@ -11,6 +11,7 @@
 #include "host/cli/output.h"
 #include "host/cli/own_keys.h"
 #include "host/cli/pair.h"
+#include "host/cli/sensor/find_sensor.h"
 #include "host/client/control/user_keys.h"
 #include "host/client/printable.h"
 #include "host/text/printed.h"
@@ -166,7 +167,8 @@ void unpair(const UnpairOptions& options) {
   const std::string place = transport->place();
   client::ControlOptions control = timing(options.timeout_s);
   control.keys = meant.keys;
-  control.device_id = meant.device;
+  control.device_id =
+      meant.device || options.sensor.empty() ? meant.device : found_device(options.sensor);
   control.unsigned_answers =
       options.serial.empty() ? client::Unsigned::kNever : client::Unsigned::kAlways;
   client::ControlClient client(std::move(transport), control);

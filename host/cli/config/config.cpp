@@ -58,12 +58,14 @@ client::ControlOptions control_options(const ConfigOptions& options) {
   }
   control.device_id = options.device;
   if (!options.sensor.empty() || !options.key.empty()) {
-    client::Meant meant = value_or_fail(
-        client::meant_sensor(options.keys, control.keys, options.sensor,
-                             {.device = options.device, .key_id = key_id_of(options.key)}));
+    client::Meant meant = meant_by(options.keys, control.keys, options.sensor,
+                                   {.device = options.device, .key_id = key_id_of(options.key)});
     control.device_id = meant.device;
     control.keys = meant.keys;
     control.doubt = std::move(meant.doubt);
+  }
+  if (!control.device_id && !options.sensor.empty()) {
+    control.device_id = found_device(options.sensor);
   }
   if (!options.serial.empty()) {
     control.unsigned_answers = client::Unsigned::kAlways;

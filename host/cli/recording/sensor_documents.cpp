@@ -16,7 +16,7 @@ recording::SensorDocuments read_documents(const ReceiveOptions& options, bool ca
     return {.no_settings = kNotAsked, .no_calibration = kNotAsked};
   }
   client::ControlOptions control = timing(kAnswerS);
-  control.device_id = options.device;
+  control.device_id = options.device ? options.device : found_device(options.sensor);
   auto asked = client::ControlClient::open(sensor_address(options.sensor), control);
   if (!asked) {
     return {.no_settings = asked.error().message, .no_calibration = asked.error().message};

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <string_view>
+#include <fstream>
+#include <sstream>
 #include <vector>
 
 #include "host/cli/failure.h"
@@ -37,12 +38,32 @@ bool is_here(const client::FoundSensor& sensor) {
       sensor.heard, [](const std::string& address) { return address.starts_with("127."); });
 }
 
+// The hardware addresses of IPv4 neighbours, as the system knows them (proc(5), /proc/net/arp).
+std::string hardware_of(const std::string& address) {
+  std::ifstream table("/proc/net/arp");
+  std::string line;
+  while (std::getline(table, line)) {
+    std::istringstream words(line);
+    std::string ip, kind, flags, hardware;
+    if (words >> ip >> kind >> flags >> hardware && ip == address) {
+      return hardware;
+    }
+  }
+  return {};
+}
+
+// Two addresses of one network card are one host's.
+bool on_one_card(const std::string& address, const std::string& other) {
+  const std::string card = hardware_of(address);
+  return !card.empty() && card == hardware_of(other);
+}
+
 std::string shown(const client::FoundSensor& sensor) {
   return sensor.serial + " ('" + sensor.name + "')";
 }
 
 struct Answers {
-  std::vector<std::string> own;  // where it says that it is this sensor: HOST:PORT
+  std::vector<std::string> own;  // where it says that it is this sensor: HOST:PORT, once a card
   std::string other{};           // where another one answers, and which; empty: there is none
 };
 
@@ -50,6 +71,7 @@ Answers ask_places(const client::FoundSensor& sensor,
                    const std::function<bool(const client::FoundSensor&)>& fits) {
   using std::chrono_literals::operator""ms;
   Answers heard;
+  std::string first;  // address of heard.own[0]
   for (const std::string& address : places_of(sensor)) {
     // Once it is found, a second address matters where any host could have it.
     if (!heard.own.empty() && (is_ipv6(address) || is_here(sensor))) {
@@ -62,7 +84,10 @@ Answers ask_places(const client::FoundSensor& sensor,
       continue;
     }
     if (answer->device_id == sensor.device_id && answer->serial == sensor.serial && fits(*answer)) {
-      heard.own.push_back(at.endpoint());
+      if (first.empty() || !on_one_card(first, address)) {
+        heard.own.push_back(at.endpoint());
+      }
+      first = first.empty() ? address : first;
     } else if (heard.other.empty()) {
       heard.other = at.endpoint() + ", where sensor " + shown(*answer) + " answers";
     }
@@ -114,18 +139,7 @@ std::vector<client::FoundSensor> still_there(
   return there;
 }
 
-void refuse_contradiction(const client::FoundSensor& sensor,
-                          std::span<const client::FoundSensor> heard) {
-  const auto twin = std::ranges::find_if(heard, [&](const client::FoundSensor& other) {
-    return other.device_id == sensor.device_id && other.session_id == sensor.session_id &&
-           sensor.session_id != 0 && other.serial != sensor.serial;
-  });
-  if (twin != heard.end()) {
-    throw Failure(Exit::kBadInput, "one sensor near is announced with the serial numbers " +
-                                       sensor.serial + " and " + twin->serial +
-                                       ": somebody announces what is not so: name the sensor that "
-                                       "is meant by its address, where this computer reaches it");
-  }
+void refuse_two_names(const client::FoundSensor& sensor) {
   if (!sensor.other_name.empty()) {
     throw Failure(Exit::kBadInput,
                   sensor.serial + ": is announced with the names '" + sensor.name + "' and '" +

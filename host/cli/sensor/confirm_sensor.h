@@ -14,8 +14,8 @@ namespace stof::host {
 
 // Where the sensor itself says that it is this one, and that it is called so: HOST:PORT; where
 // nobody answers at once, where it was heard. fits: whether a sensor is called as the user said.
-// Says so on stderr where two addresses answer. Throws Failure, bad input, where others answer, or
-// where the link tells that it has two serial numbers, or is called otherwise, too.
+// Says so on stderr where addresses of two network cards answer. Throws Failure, bad input, where
+// others answer.
 std::string confirmed_endpoint(const std::string& called, const client::FoundSensor& sensor,
                                const std::function<bool(const client::FoundSensor&)>& fits);
 
@@ -26,9 +26,8 @@ std::vector<client::FoundSensor> still_there(
     std::span<const client::FoundSensor> found,
     const std::function<bool(const client::FoundSensor&)>& fits);
 
-// Of all that was heard, something that one sensor cannot be: its device id and session with
-// another serial number, or two names. Throws Failure, bad input.
-void refuse_contradiction(const client::FoundSensor& sensor,
-                          std::span<const client::FoundSensor> heard);
+// Where all of a link may answer, what was heard is all there is: two names are not one sensor's.
+// Throws Failure, bad input.
+void refuse_two_names(const client::FoundSensor& sensor);
 
 }  // namespace stof::host

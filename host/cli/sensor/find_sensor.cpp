@@ -1,6 +1,7 @@
 #include "host/cli/sensor/find_sensor.h"
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <filesystem>
 #include <functional>
@@ -29,6 +30,7 @@ using Fits = std::function<bool(const client::FoundSensor&)>;
 struct Way {
   std::string endpoint;                    // HOST[:PORT]
   std::optional<client::LinkTarget> link;  // it answers by broadcast alone
+  std::optional<std::uint32_t> device{};   // its number; none: a host
 };
 
 void refuse_folder(const std::string& called) {
@@ -94,15 +96,13 @@ client::FoundSensor one_of(const std::string& called, std::span<const client::Fo
                                      first.serial + " or " + second.serial);
 }
 
-Way way_to(const std::string& called, const client::FoundSensor& sensor,
-           std::span<const client::FoundSensor> heard, const Fits& fits) {
+Way way_to(const std::string& called, const client::FoundSensor& sensor, const Fits& fits) {
   refuse_rivals(sensor);
-  Way way{.endpoint = sensor.endpoint(), .link = {}};
+  Way way{.endpoint = sensor.endpoint(), .link = {}, .device = sensor.device_id};
   if (!sensor.by_link_alone()) {
     way.endpoint = confirmed_endpoint(called, sensor, fits);
   } else {
-    // Whoever is asked so is answered by anybody: what was heard is all there is.
-    refuse_contradiction(sensor, heard);
+    refuse_two_names(sensor);
     way.link = client::LinkTarget{.device_id = sensor.device_id,
                                   .session_id = sensor.session_id,
                                   .port = sensor.port,
@@ -122,6 +122,10 @@ Way look_for(const std::string& called) {
   say_flood(sensors->size());
   std::vector<client::FoundSensor> found;
   std::ranges::copy_if(*sensors, std::back_inserter(found), fits);
+  const auto device = serial_device(called);
+  std::erase_if(found, [&](const client::FoundSensor& one) {
+    return device && one.serial == called && one.device_id != *device;
+  });
   // A serial number is one sensor's; a name may be another one's number.
   if (std::ranges::find(found, called, &client::FoundSensor::serial) != found.end()) {
     std::erase_if(found, [&](const client::FoundSensor& one) { return one.serial != called; });
@@ -145,8 +149,7 @@ Way look_for(const std::string& called) {
                       ": does not exist: no file, no sensor near and no host has that name: "
                       "stof discover lists the sensors");
   }
-  return found.empty() ? Way{.endpoint = called, .link = {}}
-                       : way_to(called, found.front(), *sensors, fits);
+  return found.empty() ? Way{.endpoint = called, .link = {}} : way_to(called, found.front(), fits);
 }
 
 // Looked for once.
@@ -158,6 +161,17 @@ const Way& known_way(const std::string& called) {
 }
 
 }  // namespace
+
+std::optional<std::uint32_t> serial_device(const std::string& called) {
+  constexpr std::size_t kDigits = 8;
+  std::uint32_t device = 0;
+  const char* const end = called.data() + called.size();
+  const bool lower = std::ranges::none_of(called, [](char c) { return c >= 'A' && c <= 'Z'; });
+  return lower && called.size() == kDigits &&
+                 std::from_chars(called.data(), end, device, 16).ptr == end
+             ? std::optional(device)
+             : std::nullopt;
+}
 
 bool is_recorded(const std::string& sensor) {
   std::error_code error;
@@ -179,6 +193,11 @@ std::string sensor_address(const std::string& called) {
                       called + " ADDRESS/BITS gives it one");
   }
   return way.endpoint;
+}
+
+std::optional<std::uint32_t> found_device(const std::string& called) {
+  refuse_file(called);
+  return is_address(called) ? std::nullopt : known_way(called).device;
 }
 
 std::unique_ptr<client::ControlTransport> open_sensor(const std::string& called) {

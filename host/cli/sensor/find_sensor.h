@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "host/client/control/control_client.h"
@@ -21,6 +23,13 @@ bool is_recorded(const std::string& sensor);
 // Throws Failure, bad input, where two sensors have that number or name, or nothing has, and where
 // it is a recording or a folder; code 1 where it is reached by broadcast alone.
 std::string sensor_address(const std::string& called);
+
+// The device number that a word names which is a serial number: these are the same, the latter in 8
+// hexadecimal digits. So no other sensor is asked by it, whoever announces what.
+std::optional<std::uint32_t> serial_device(const std::string& called);
+
+// That of the sensor which was found as sensor_address() finds it; none: an address or a host.
+std::optional<std::uint32_t> found_device(const std::string& called);
 
 // The same, open for requests: also to a sensor that is reached by broadcast alone
 // (client::open_link_transport()).

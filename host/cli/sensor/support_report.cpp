@@ -92,8 +92,10 @@ void add_documents(const SupportReportOptions& options, Files& files) {
       {Document::kActive, "settings_active.json"},
       {Document::kSaved, "settings_saved.json"},
       {Document::kDefaults, "settings_defaults.json"}};
-  auto client = client::ControlClient::open(sensor_address(options.sensor),
-                                            {.timeout = kAttempt, .device_id = options.device});
+  auto client = client::ControlClient::open(
+      sensor_address(options.sensor),
+      {.timeout = kAttempt,
+       .device_id = options.device ? options.device : found_device(options.sensor)});
   for (const auto& [document, name] : documents_of_settings) {
     auto answer = client ? client->request(wire::SettingsOperation::kGet, document, {})
                          : std::unexpected(client.error());

@@ -137,7 +137,7 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     wire::SettingsOperation operation, wire::SettingsDocument document, std::uint16_t offset,
     std::string_view text) {
   ++request_id_;
-  answered_ = false;
+  cookie_refused_ = false;
   offered_.clear();
   std::optional<Part> refusal;
   bool hurried = false;  // asked at once upon a cookie
@@ -200,6 +200,7 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
 Status ControlClient::send(const wire::SettingsRequest& request, std::string_view text,
                            bool sealed) {
   wire::DatagramBuffer buffer;
+  shown_ = cookie_;
   return transport_->send(sealed ? signer_.seal(request, text, buffer)
                                  : seal(request, text, buffer));
 }
@@ -293,6 +294,14 @@ std::optional<ControlClient::Part> ControlClient::read_answer(std::span<const st
   if (!answer || answer->request_id != request_id) {
     return std::nullopt;
   }
+  // To an attempt of before: a sensor takes each cookie that it offers.
+  const wire::Origin& from = packet->header.origin;
+  const bool known =
+      !sealed || (from.device_id == signer_.device_id() && from.session_id == signer_.session_id());
+  if (answer->result == wire::SettingsResult::kCookie && shown_ != 0 && answer->cookie == shown_ &&
+      known) {
+    return std::nullopt;
+  }
   const bool judged = answer->result != wire::SettingsResult::kCookie &&
                       answer->result != wire::SettingsResult::kUnknownKey;
   if (sealed && !signed_answer && judged) {
@@ -303,7 +312,7 @@ std::optional<ControlClient::Part> ControlClient::read_answer(std::span<const st
   } else {
     cookie_ = answer->cookie;
   }
-  answered_ = true;
+  cookie_refused_ = cookie_refused_ || shown_ != 0;
   signer_.note_origin(packet->header.origin);
   signer_.note_highest(signed_answer ? signed_answer->highest : 0);
   const std::span<const std::byte> text = payload.subspan(wire::kSettingsAnswerBytes);
@@ -356,7 +365,7 @@ std::optional<ControlError> ControlClient::another_sensor() {
 }
 
 ControlError ControlClient::silent() const {
-  if (answered_) {
+  if (cookie_refused_) {
     return error(Status::kTimeout,
                  "asks for another cookie whatever it is shown: somebody answers in its place, or "
                  "it has just started: try again");

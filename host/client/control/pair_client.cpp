@@ -236,12 +236,14 @@ wire::PairRequest PairClient::request(PairStep step) const {
 // Repeated where an answer gets lost: the sensor serves a step a second time as the first.
 std::expected<wire::PairAnswer, ControlError> PairClient::ask(wire::PairRequest request) {
   bool hurried = false;  // asked at once upon a cookie
+  bool refused = false;  // a cookie was
   for (int attempt = 0; attempt < options_.attempts;) {
     if (const Status sent = send(request); sent == Status::kDeviceLost) {
       return error(sent, "the connection failed: open it again");
     }
     const std::optional<wire::PairAnswer> answer =
         await(request_id_, Time::clock::now() + options_.timeout);
+    refused = answer && cookie_ != 0;
     cookie_ = answer ? answer->cookie : cookie_;
     if (answer && answer->result != PairResult::kCookie) {
       return *answer;
@@ -249,7 +251,7 @@ std::expected<wire::PairAnswer, ControlError> PairClient::ask(wire::PairRequest 
     attempt += answer && !hurried ? 0 : 1;
     hurried = answer.has_value();
   }
-  return hurried ? error(Status::kTimeout,
+  return refused ? error(Status::kTimeout,
                          "asks for another cookie whatever it is shown: somebody answers in its "
                          "place, or it has just started: try again")
                  : no_answer();
@@ -318,7 +320,10 @@ std::optional<wire::PairAnswer> PairClient::await(std::uint32_t request_id, Time
       continue;
     }
     const Result<wire::PairAnswer> answer = wire::decode_pair_answer(packet->payload);
-    if (answer && answer->request_id == request_id) {
+    // To an attempt of before: a sensor takes each cookie that it offers.
+    const bool late = answer && cookie_ != 0 && answer->result == PairResult::kCookie &&
+                      answer->cookie == cookie_;
+    if (answer && answer->request_id == request_id && !late) {
       heard_ = packet->header.origin;
       return *answer;
     }
