@@ -238,9 +238,23 @@ TEST(ControlClient, ShowsTheCookieItIsGiven) {
 }
 
 TEST(ControlClient, GivesUpOnASensorThatTakesNoCookie) {
-  const Scripted::Replies cookie{{.result = SettingsResult::kCookie, .cookie = 77}};
-  EXPECT_FALSE(ask(std::deque(50, cookie)));
+  std::deque<Scripted::Replies> others;
+  for (std::uint64_t cookie = 1; cookie <= 50; ++cookie) {
+    others.push_back({{.result = SettingsResult::kCookie, .cookie = cookie}});
+  }
+  const auto answer = ask(others);
+  ASSERT_FALSE(answer);
+  EXPECT_NE(answer.error().message.find("another cookie whatever it is shown"), std::string::npos);
   EXPECT_EQ(Scripted::sent, 6);
+}
+
+TEST(ControlClient, ACookieThatComesLateIsNoRefusal) {
+  const wire::SettingsAnswer cookie{.result = SettingsResult::kCookie, .cookie = 77};
+  EXPECT_TRUE(ask({{}, {cookie}, {cookie, kOk}}));
+  EXPECT_EQ(Scripted::cookies, (std::vector<std::uint64_t>{0, 0, 77}));
+  const auto answer = ask({{cookie}, {cookie}, {}, {}});
+  ASSERT_FALSE(answer);
+  EXPECT_NE(answer.error().message.find("no answer within"), std::string::npos);
 }
 
 TEST(ControlClient, SkipsAnswersToOtherRequestsAndOfOtherSensors) {
