@@ -304,6 +304,16 @@ void read_keys(const Options& options, keys::Keyring& ring) {
   say(line);
 }
 
+void forget_start(const InitialSettings& initial) noexcept {
+  if (initial.store == nullptr || !initial.saved.on_trial) {
+    return;
+  }
+  const settings::Settings& settings = initial.saved.settings;
+  if (const int failed = settings::failed_starts(*initial.trial, settings); failed > 0) {
+    static_cast<void>(settings::count_failed_starts(*initial.trial, settings, failed - 1));
+  }
+}
+
 bool names(const Options& options, std::string_view path) {
   return std::ranges::find(options.assignments, path, &Assignment::path) !=
          options.assignments.end();
@@ -336,11 +346,13 @@ std::expected<InitialSettings, StartRefusal> read_settings(const Options& option
   }
   auto label = read_label(options);
   if (!label) {
+    forget_start(initial);
     return std::unexpected(StartRefusal{.message = std::move(label.error())});
   }
   initial.label = *label;
   std::string notes;
   if (std::string why = activate(options, initial, notes); !why.empty()) {
+    forget_start(initial);
     return std::unexpected(StartRefusal{.message = std::move(why)});
   }
   if (!notes.empty()) {

@@ -57,6 +57,10 @@ std::expected<InitialSettings, StartRefusal> read_settings(const Options& option
 // The keys that are kept there; says in a line what is wrong with them.
 void read_keys(const Options& options, keys::Keyring& ring);
 
+// A command line that is refused says nothing of the saved settings: this start has not failed
+// because of them.
+void forget_start(const InitialSettings& initial) noexcept;
+
 // The calibration that was put on the sensor.
 InstalledCalibration read_installed(const Options& options, const InitialSettings& initial);
 

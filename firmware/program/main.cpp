@@ -315,7 +315,7 @@ void print_release(const UpdateParts& parts, const update::Updater& updater) {
   }
 }
 
-int run(board::Board& board, const Options& options, InitialSettings start,
+int run(board::Board& board, const Options& options, InitialSettings& start,
         const UpdateParts& parts) {
   const board::Config config = ReplayDriver::config(board);
   if (board.replay != nullptr) {
@@ -423,9 +423,16 @@ int start_and_run(std::span<const std::string_view> arguments) {
                    .serial_required = names(*options, "serial.device")},
                   options->board);
   if (!board) {
+    if (!board.error().device) {
+      forget_start(*start);
+    }
     return refuse(board.error().message, board.error().device ? kExitFailure : kExitBadInput);
   }
-  return run(**board, *options, std::move(*start), *parts);
+  const int code = run(**board, *options, *start, *parts);
+  if (code == kExitBadInput) {
+    forget_start(*start);
+  }
+  return code;
 }
 
 }  // namespace

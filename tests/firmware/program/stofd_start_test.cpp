@@ -297,6 +297,21 @@ TEST_F(StofdStart, TwoFailedStartsBringTheLastGoodSettingsBack) {
   EXPECT_EQ(ended.out.find("last good"), std::string::npos) << ended.out;
 }
 
+TEST_F(StofdStart, ACommandLineThatIsRefusedIsNoFailedStart) {
+  write("settings.json", R"({"name": "new"})");
+  write("rig.cal", "none");
+  for (int i = 0; i < 4; ++i) {
+    const auto more = i % 2 == 0 ? std::vector<std::string>{"--threads", "99"}
+                                 : std::vector<std::string>{"--calibration", path("rig.cal")};
+    std::vector<std::string> words = {"--settings", path("settings.json")};
+    words.insert(words.end(), more.begin(), more.end());
+    EXPECT_EQ(run_stofd(small(words)).code, 2);
+  }
+  const Ended ended =
+      run_stofd(small({"--settings", path("settings.json"), "--frames", "2", "--free-run"}));
+  EXPECT_EQ(ended.out.find("have failed"), std::string::npos) << ended.out;
+}
+
 TEST_F(StofdStart, WhatWasDroppedIsACondition) {
   write("settings.json", R"({"serial": {"device": "/dev/nope"}, "depth": {"max_range_mm": 500}})");
   const Socket socket;
