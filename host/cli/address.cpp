@@ -104,6 +104,7 @@ class AddressChange {
     auto transport = open_way("address", sensor_, options_.serial, options_.baud);
     place_ = transport->place();
     client::ControlClient sensor(std::move(transport), control_);
+    check_called(sensor, sensor_);
     saved_ = read_document(sensor, Document::kSaved, place_);
     const Json active = read_document(sensor, Document::kActive, place_);
     if (const Json port = setting_of(active, "udp", "port"); port.is_number_unsigned()) {

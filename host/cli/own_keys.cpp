@@ -6,8 +6,10 @@
 #include <cstdio>
 
 #include "firmware/wire/crypto/crypto.h"
+#include "host/cli/config/settings_text.h"
 #include "host/cli/sensor/find_sensor.h"
 #include "host/client/control/user_keys.h"
+#include "host/client/printable.h"
 #include "host/client/serial/serial_line.h"
 
 namespace stof::host {
@@ -84,6 +86,23 @@ client::Meant meant_or_fail(const std::string& file, const wire::KeyTable& keys,
                                        " (--device NUMBER or --key ID)");
   }
   return meant;
+}
+
+void check_called(client::ControlClient& sensor, const std::string& called) {
+  if (called.empty() || !is_sensor_name(called)) {
+    return;
+  }
+  const auto answer = value_or_end(
+      sensor.request(wire::SettingsOperation::kGet, wire::SettingsDocument::kActive, {}));
+  const auto settings = read_json(answer.text);
+  const std::string name = settings && settings->is_object() ? settings->value("name", "") : "";
+  if (answer.result == wire::SettingsResult::kOk && name != called) {
+    throw Failure(Exit::kBadInput,
+                  called + ": whoever answers as this sensor is called '" +
+                      client::printable(name) +
+                      "': somebody near announces what is not so, or it has just been renamed: "
+                      "name the sensor that is meant by its serial number");
+  }
 }
 
 std::uint32_t device_of(const client::Meant& meant) {

@@ -53,6 +53,10 @@ client::Meant meant_by(const std::string& file, const wire::KeyTable& keys,
 client::Meant meant_or_fail(const std::string& file, const wire::KeyTable& keys,
                             const std::string& sensor, const client::Asked& asked);
 
+// Where a user calls a sensor by its name, which anybody may announce: reads it of whoever answers,
+// signed where there is a key. Throws Failure, bad input, where it is another one.
+void check_called(client::ControlClient& sensor, const std::string& called);
+
 // The number of the sensor that is meant, else of the only one.
 std::uint32_t device_of(const client::Meant& meant);
 

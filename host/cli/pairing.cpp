@@ -34,7 +34,8 @@ Pairing::Pairing(PairingTerms terms, client::PairWish wish)
   need_key_room(terms_.file);
   address_ = transport->place();
   client::ControlOptions control = timing(terms_.timeout_s);
-  control.device_id = terms_.device;
+  control.device_id =
+      terms_.device || terms_.sensor.empty() ? terms_.device : found_device(terms_.sensor);
   client_ = std::make_unique<client::PairClient>(std::move(transport), wish_, control);
 }
 
@@ -55,6 +56,7 @@ wire::Key Pairing::finish(std::chrono::seconds patience, const std::function<boo
   }
   value_or_end(client::add_user_key(terms_.file, key));  // the sensor has it already
   if (!terms_.sensor.empty()) {
+    check_named(key);
     remember_place(terms_.file, {.named = terms_.sensor, .address = address_}, key.id);
   }
   return key;
@@ -135,6 +137,17 @@ void need_key_room(const std::string& file) {
 std::string kept_text(const wire::Key& key, const std::string& file) {
   return printed("key %08x of sensor %08x, %s, is in %s", key.id, key.device,
                  std::string(wire::role_text(key.role)).c_str(), file.c_str());
+}
+
+// The key is kept, but that it is of the sensor with that name is not remembered where it is
+// another one's.
+void Pairing::check_named(const wire::Key& key) const {
+  client::ControlOptions control = timing(terms_.timeout_s);
+  control.device_id = key.device;
+  static_cast<void>(control.keys.add(key));
+  client::ControlClient client(open_way("pair", terms_.sensor, terms_.serial, terms_.baud),
+                               control);
+  check_called(client, terms_.sensor);
 }
 
 bool opens_sensor(const PairingTerms& terms, const wire::Key& key) {

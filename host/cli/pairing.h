@@ -45,6 +45,7 @@ class Pairing {
 
  private:
   void need_new(const wire::Key& key) const;
+  void check_named(const wire::Key& key) const;
 
   PairingTerms terms_;
   client::PairWish wish_;

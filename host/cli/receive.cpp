@@ -116,8 +116,12 @@ std::string ended_text(client::Receiver& receiver, const ReceiveOptions& options
 std::string first_frame_line(const ReceiveOptions& options, const client::Receiver& receiver,
                              std::uint32_t device) {
   if (options.signed_streams) {
-    remember_place(options.keys, {.named = options.sensor, .address = receiver.place()},
-                   receiver.proven_key());
+    // A name was not read of the sensor itself.
+    const std::string place = receiver.place();
+    remember_place(
+        options.keys,
+        {.named = is_sensor_name(options.sensor) ? place : options.sensor, .address = place},
+        receiver.proven_key());
   }
   return "frames of sensor " + std::to_string(device) +
          (options.signed_streams ? ", signed for this program" : "");

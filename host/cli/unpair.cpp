@@ -172,6 +172,7 @@ void unpair(const UnpairOptions& options) {
   control.unsigned_answers =
       options.serial.empty() ? client::Unsigned::kNever : client::Unsigned::kAlways;
   client::ControlClient client(std::move(transport), control);
+  check_called(client, options.sensor);
   if (options.list) {
     list_keys(client, keys, place, options.json);
     return;

@@ -33,6 +33,7 @@ std::unique_ptr<UploadWay> open_upload_way(const char* command, const std::strin
   auto way = std::make_unique<UploadWay>(
       open_way(command, sensor, flags.serial, flags.baud), control,
       std::chrono::duration_cast<client::Duration>(std::chrono::duration<double>(patience_s)));
+  check_called(way->sensor, sensor);
   way->key_file = file;
   way->named = sensor;
   return way;

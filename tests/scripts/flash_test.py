@@ -158,7 +158,7 @@ class OnFiles(unittest.TestCase):
                 (["--calibration", self.folder], {}, "no calibration"), (["--calibration", damaged], {}, "a damaged one"),
                 (["--option=--size 640x480"], {}, "one word"), (["--option=--nonsense"], {}, "no word of this"), (["--option=--help"], {}, "no word of this"),
                 (["--option=foo"], {}, "no word of this"), (["--option=--guided", "--option=3"], {}, "no word of this"), (["--option=--size=2x2"], {}, "no word of this"),
-                (["--option=--size"], {}, "takes WxH"), (["--option=--size", "--option=--guided"], {}, "takes WxH"), ([], {"image": "/dev/zero"}, "no image of scripts/image"),
+                (["--option=--size"], {}, "takes WxH"), (["--option=--size", "--option=bogus"], {}, "--size takes WxH"), (["--option=--size", "--option=--guided"], {}, "takes WxH"), ([], {"image": "/dev/zero"}, "no image of scripts/image"),
                 (["--address", "192.168.7.2"], {}, "--address takes"),
                 (["--address", "192.168.7.0/24"], {}, "no address of a host"), (["--address", "dhcp", "--address", "::1/64"], {}, "--address takes"),
                 (["--address", "10.0.0.2/24", "--address", "10.0.0.3/24"], {}, "one fixed address"),

@@ -86,6 +86,8 @@ class Session {
 
   const std::optional<client::ControlClient::Proof>& proven() const { return client_.proven(); }
 
+  void check_called(const std::string& called) { host::check_called(client_, called); }
+
   // An answer that is no refusal, or throws.
   client::ControlAnswer ask(Operation operation, std::string_view text = {},
                             Document document = {}) {
@@ -325,6 +327,7 @@ std::string config_over(std::unique_ptr<client::ControlTransport> transport,
   // Whoever is read from where nobody knows which sensor is meant proves nothing of this place.
   const bool certain = !options.sensor.empty() && control.doubt.empty();
   Session session(std::move(transport), control, options);
+  session.check_called(options.sensor);
   std::string text = client::printable(
       act(session, words[0], Words(words).subspan(1), options.document), client::Lines::kSeveral);
   if (session.proven() && certain) {

@@ -112,8 +112,9 @@ Way way_to(const std::string& called, const client::FoundSensor& sensor, const F
 }
 
 Way look_for(const std::string& called) {
+  const auto device = serial_device(called);
   const Fits fits = [&](const client::FoundSensor& sensor) {
-    return sensor.serial == called || sensor.name == called;
+    return sensor.serial == called || (!device && sensor.name == called);
   };
   const auto sensors = client::discover({.timeout = std::chrono::seconds(3), .wanted = fits});
   if (!sensors) {
@@ -122,9 +123,8 @@ Way look_for(const std::string& called) {
   say_flood(sensors->size());
   std::vector<client::FoundSensor> found;
   std::ranges::copy_if(*sensors, std::back_inserter(found), fits);
-  const auto device = serial_device(called);
-  std::erase_if(found, [&](const client::FoundSensor& one) {
-    return device && one.serial == called && one.device_id != *device;
+  std::erase_if(found, [](const client::FoundSensor& one) {
+    return serial_device(one.serial) != one.device_id;
   });
   // A serial number is one sensor's; a name may be another one's number.
   if (std::ranges::find(found, called, &client::FoundSensor::serial) != found.end()) {
@@ -198,6 +198,10 @@ std::string sensor_address(const std::string& called) {
 std::optional<std::uint32_t> found_device(const std::string& called) {
   refuse_file(called);
   return is_address(called) ? std::nullopt : known_way(called).device;
+}
+
+bool is_sensor_name(const std::string& called) {
+  return !serial_device(called) && found_device(called);
 }
 
 std::unique_ptr<client::ControlTransport> open_sensor(const std::string& called) {

@@ -25,11 +25,15 @@ bool is_recorded(const std::string& sensor);
 std::string sensor_address(const std::string& called);
 
 // The device number that a word names which is a serial number: these are the same, the latter in 8
-// hexadecimal digits. So no other sensor is asked by it, whoever announces what.
+// hexadecimal digits. So no other sensor is asked by it, whoever announces what, and no name is
+// looked for that reads so.
 std::optional<std::uint32_t> serial_device(const std::string& called);
 
 // That of the sensor which was found as sensor_address() finds it; none: an address or a host.
 std::optional<std::uint32_t> found_device(const std::string& called);
+
+// It was found by its name.
+bool is_sensor_name(const std::string& called);
 
 // The same, open for requests: also to a sensor that is reached by broadcast alone
 // (client::open_link_transport()).

@@ -371,9 +371,9 @@ ControlError ControlClient::silent() const {
                  "it has just started: try again");
   }
   const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(options_.timeout);
-  return error(Status::kTimeout, "no answer within " +
-                                     std::to_string(waited.count() * options_.attempts) +
-                                     " ms: " + to_check(transport_->reach()));
+  return error(Status::kTimeout,
+               "no answer within " + std::to_string(waited.count() * options_.attempts) + " ms: " +
+                   to_check(transport_->reach()) + "; a slow network takes a longer timeout");
 }
 
 ControlClient::Part ControlClient::keys_unknown() const {

@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 import address_program_test as networks
-from address_program_test import Address, DEVICE, FAR, FIRST, OURS, SERIAL, STOFD, THIRD, ip, wire, within
+from address_program_test import CODE, Address, DEVICE, FAR, FIRST, OURS, SERIAL, STOFD, THIRD, ip, wire, within
 from discovery_test import ENOUGH_S
 
 FORGE = """
@@ -185,17 +185,31 @@ class Strangers(Address):
             self.refused(words, "what is announced as this sensor leads to 192.168.1.200:7560", "where sensor 00000024 ('front') answers")
         self.assertEqual(self.ask("config", "00000024", "get", "name").strip(), "front")
 
+    def proxy(self, header, announce):
+        stranger = subprocess.Popen(within(THIRD, [sys.executable, "-c", PROXY, wire.seal(header, announce.pack()).hex(), "192.168.1.50",
+                                                   str(pathlib.Path(wire.__file__).parent)]))
+        self.addCleanup(lambda: (stranger.kill(), stranger.wait()))
+        return stranger
+
     def test_who_hands_on_what_he_is_asked_changes_no_other_sensor(self):
         self.pair()
         discover = wire.seal(wire.Header(type=wire.PacketType.DISCOVER), wire.Discover(request_id=7).pack())
         header, payload = wire.parse(self.link(7561, discover))
         ip("-n", FAR, "addr", "add", "192.168.1.50/24", "brd", "+", "dev", "stof1")
-        header.origin = wire.Origin(device_id=0x55, session_id=77)
         announce = wire.Announce.unpack(payload)
-        announce.serial, announce.name = "00000055", "rear"
-        stranger = subprocess.Popen(within(THIRD, [sys.executable, "-c", PROXY, wire.seal(header, announce.pack()).hex(), "192.168.1.50",
-                                                   str(pathlib.Path(wire.__file__).parent)]))
-        self.addCleanup(lambda: (stranger.kill(), stranger.wait()))
+        announce.name = "rear"  # of this device
+        stranger = self.proxy(header, announce)
+        self.until(lambda: "rear" in self.stof("discover", "--json").stdout)
+        for words in (("config", "rear", "set", "name=other"), ("address", "rear", "192.168.1.51/24"), ("unpair", "rear"),
+                      ("pair", "rear", "--code", CODE, "--again", "--keys", self.folder / "others")):
+            ended = self.stof(*words)
+            self.assertEqual((ended.returncode, ended.stdout), (2, ""), ended.stderr)
+            self.assertRegex(ended.stderr, "whoever answers as this sensor is called '|is announced with the names|where sensor 00000023|does not exist")
+        stranger.kill()
+        stranger.wait()
+        header.origin = wire.Origin(device_id=0x55, session_id=77)
+        announce.serial = "00000055"
+        stranger = self.proxy(header, announce)
         self.until(lambda: "00000055" in self.stof("discover", "--json").stdout)
         keyless = ("--keys", self.folder / "none")
         for words in (("config", "00000055", "set", "name=other"), ("config", "rear", "set", "name=other", *keyless),
