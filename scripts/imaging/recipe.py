@@ -49,18 +49,19 @@ class Recipe:
 
 
 def _length_told(kernel):
-    """Where the last section, or the signature, ends of a kernel that UEFI can start, too (PE/COFF); 0 of another one."""
+    """Where the last section, or the signature, ends of a kernel that UEFI can start, too (PE/COFF); 0 of another one; more than it has
+    where these are not told."""
+    if kernel[:2] != b"MZ":
+        return 0
     try:
         at, = struct.unpack_from("<I", kernel, 60)
-        if kernel[:2] != b"MZ" or kernel[at:at + 4] != b"PE\0\0":
-            return 0
         sections, = struct.unpack_from("<H", kernel, at + 6)
         options, = struct.unpack_from("<H", kernel, at + 20)
         places = [struct.unpack_from("<II", kernel, at + 24 + options + 40 * k + 16) for k in range(sections)]
         if options >= CERTIFICATES + 8:
             places.append(struct.unpack_from("<II", kernel, at + 24 + CERTIFICATES)[::-1])
     except struct.error:
-        return 0
+        return len(kernel) + 1
     return max((begin + size for size, begin in places), default=0)
 
 

@@ -50,8 +50,13 @@ class System:
         loops = []
         for backing in (self.root / "sys" / "block").glob("loop*/loop/backing_file"):
             if backing.read_text().strip() == str(path):
-                loops.append(backing.parent.parent)
+                loops.append(backing.parent.parent.resolve())
         return loops
+
+    def beside(self, folder):
+        """Other loop devices of the same file."""
+        backing = folder / "loop" / "backing_file"
+        return [loop for loop in self.backed_by(backing.read_text().strip()) if loop != folder] if backing.exists() else []
 
 
 def _users(system, folder, mounts, swaps):
@@ -97,7 +102,9 @@ def check(path, image, system=None):
         about = next((name.read_text().strip() for name in names if name.exists()), "a disk")
         if (folder / "ro").exists() and (folder / "ro").read_text().strip() == "1":
             raise TargetError(f"{path} cannot be written: is the card's switch at lock?")
-        users = _users(system, folder, system.mounts(), system.swaps())
+        if folder in system.backed_by(os.path.realpath(image)):
+            raise TargetError(f"{path} is a loop device of the image itself: name another one")
+        users = _users(system, folder, system.mounts(), system.swaps()) + [loop.name for loop in system.beside(folder)]
     else:
         raise TargetError(f"{path} is neither a disk nor a file: name the card's device")
     if any(user in SYSTEM_MOUNTS or user == "swap" for user in users):

@@ -338,6 +338,16 @@ class Disks(unittest.TestCase):
         self.mounts("30 1 259:2 / /media/inner rw - vfat /dev/loop2p1 rw")
         self.refused("in use ./media/inner")
 
+    def test_a_loop_device_of_the_image_or_beside_another_one_is_refused(self):
+        self.put("sys/devices/sdx/loop/backing_file", str(FLASH))
+        self.link("sys/block/loop0", self.root / "sys/devices/sdx")
+        self.refused("of the image itself")
+        self.put("sys/devices/sdx/loop/backing_file", "/tmp/card")
+        self.assertRegex(self.check(), "CARD READER")
+        self.put("sys/devices/loop1/loop/backing_file", "/tmp/card")
+        self.link("sys/block/loop1", self.root / "sys/devices/loop1")
+        self.refused("in use .loop1")
+
     def test_a_card_that_is_small_or_locked_is_refused(self):
         self.put("sys/devices/sdx/ro", "1")
         self.refused("switch at lock")

@@ -234,7 +234,7 @@ class Packages(InFolder):
         for data in (whole, gzip.compress(whole)):
             self.file(f"boot/vmlinuz-{VERSION}", data)
             self.assertEqual(gzip.decompress(self.tree().compressed()), whole)
-        for data, said in ((whole[:-1], "is cut"), (whole[:1600], "is cut"), (gzip.compress(whole)[:-30], "is damaged")):
+        for data, said in ((whole[:-1], "is cut"), (whole[:1600], "is cut"), (whole[:64], "is cut"), (whole[:100], "is cut"), (gzip.compress(whole)[:-30], "is damaged")):
             self.file(f"boot/vmlinuz-{VERSION}", data)
             with self.assertRaisesRegex(recipe.RecipeError, said):
                 self.tree().compressed()
