@@ -105,6 +105,15 @@ void check_called(client::ControlClient& sensor, const std::string& called) {
   }
 }
 
+void check_called(const std::string& called, client::ControlOptions control,
+                  const wire::KeyTable& keys) {
+  if (!called.empty() && is_sensor_name(called)) {
+    control.keys = keys;
+    client::ControlClient sensor(open_sensor(called), control);
+    check_called(sensor, called);
+  }
+}
+
 std::uint32_t device_of(const client::Meant& meant) {
   return meant.device.value_or(meant.keys.count() == 0 ? 1 : meant.keys.all()[0].device);
 }

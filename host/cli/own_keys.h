@@ -56,6 +56,9 @@ client::Meant meant_or_fail(const std::string& file, const wire::KeyTable& keys,
 // Where a user calls a sensor by its name, which anybody may announce: reads it of whoever answers,
 // signed where there is a key. Throws Failure, bad input, where it is another one.
 void check_called(client::ControlClient& sensor, const std::string& called);
+// The same over a way of its own, with these keys.
+void check_called(const std::string& called, client::ControlOptions control,
+                  const wire::KeyTable& keys);
 
 // The number of the sensor that is meant, else of the only one.
 std::uint32_t device_of(const client::Meant& meant);

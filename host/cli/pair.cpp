@@ -170,6 +170,7 @@ void renew(const PairOptions& options, const std::string& file) {
   known.insert(known.end(), before.all().begin(), before.all().end());
   client::ControlOptions control = timing(options.timeout_s);
   control.device_id = device;
+  check_called(options.sensor, control, meant.keys);
   std::string refusal;
   for (const wire::Key& key : known) {
     client::PairClient client(open_way("pair", options.sensor, options.serial, options.baud),

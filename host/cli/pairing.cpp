@@ -36,6 +36,7 @@ Pairing::Pairing(PairingTerms terms, client::PairWish wish)
   client::ControlOptions control = timing(terms_.timeout_s);
   control.device_id =
       terms_.device || terms_.sensor.empty() ? terms_.device : found_device(terms_.sensor);
+  check_called(terms_.sensor, control, {});  // before a key is made; with it once more
   client_ = std::make_unique<client::PairClient>(std::move(transport), wish_, control);
 }
 
@@ -144,10 +145,14 @@ std::string kept_text(const wire::Key& key, const std::string& file) {
 void Pairing::check_named(const wire::Key& key) const {
   client::ControlOptions control = timing(terms_.timeout_s);
   control.device_id = key.device;
-  static_cast<void>(control.keys.add(key));
-  client::ControlClient client(open_way("pair", terms_.sensor, terms_.serial, terms_.baud),
-                               control);
-  check_called(client, terms_.sensor);
+  wire::KeyTable keys;
+  static_cast<void>(keys.add(key));
+  try {
+    check_called(terms_.sensor, control, keys);
+  } catch (const Failure& failure) {
+    throw Failure(Exit::kFailure, std::string(failure.what()) + "; " + kept_text(key, terms_.file) +
+                                      ": end it with stof unpair ADDRESS where it is not wanted");
+  }
 }
 
 bool opens_sensor(const PairingTerms& terms, const wire::Key& key) {

@@ -200,7 +200,7 @@ class Strangers(Address):
         announce.name = "rear"  # of this device
         stranger = self.proxy(header, announce)
         self.until(lambda: "rear" in self.stof("discover", "--json").stdout)
-        for words in (("config", "rear", "set", "name=other"), ("address", "rear", "192.168.1.51/24"), ("unpair", "rear"),
+        for words in (("config", "rear", "set", "name=other"), ("address", "rear", "192.168.1.51/24"), ("unpair", "rear"), ("pair", "rear", "--renew"),
                       ("pair", "rear", "--code", CODE, "--again", "--keys", self.folder / "others")):
             ended = self.stof(*words)
             self.assertEqual((ended.returncode, ended.stdout), (2, ""), ended.stderr)
