@@ -117,7 +117,7 @@ std::string first_frame_line(const ReceiveOptions& options, const client::Receiv
                              std::uint32_t device) {
   if (options.signed_streams) {
     // A name was not read of the sensor itself.
-    const std::string place = receiver.place();
+    const std::string& place = receiver.place();
     remember_place(
         options.keys,
         {.named = is_sensor_name(options.sensor) ? place : options.sensor, .address = place},

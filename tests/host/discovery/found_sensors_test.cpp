@@ -1,6 +1,8 @@
 // What datagrams say of sensors, also those that lie.
 #include "host/discovery/found_sensors.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "firmware/wire/dns.h"
