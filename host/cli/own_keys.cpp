@@ -46,7 +46,7 @@ client::ControlOptions control_of(const std::string& file, const std::string& se
     control.keys = meant.keys;
     control.device_id = meant.device;
   }
-  if (!control.device_id && !sensor.empty()) {
+  if (!control.device_id) {
     control.device_id = found_device(sensor);
   }
   if (!flags.serial.empty()) {
@@ -89,7 +89,7 @@ client::Meant meant_or_fail(const std::string& file, const wire::KeyTable& keys,
 }
 
 void check_called(client::ControlClient& sensor, const std::string& called) {
-  if (called.empty() || !is_sensor_name(called)) {
+  if (!is_sensor_name(called)) {
     return;
   }
   const auto answer = value_or_end(
@@ -107,7 +107,7 @@ void check_called(client::ControlClient& sensor, const std::string& called) {
 
 void check_called(const std::string& called, client::ControlOptions control,
                   const wire::KeyTable& keys) {
-  if (!called.empty() && is_sensor_name(called)) {
+  if (is_sensor_name(called)) {
     control.keys = keys;
     client::ControlClient sensor(open_sensor(called), control);
     check_called(sensor, called);

@@ -34,8 +34,7 @@ Pairing::Pairing(PairingTerms terms, client::PairWish wish)
   need_key_room(terms_.file);
   address_ = transport->place();
   client::ControlOptions control = timing(terms_.timeout_s);
-  control.device_id =
-      terms_.device || terms_.sensor.empty() ? terms_.device : found_device(terms_.sensor);
+  control.device_id = terms_.device ? terms_.device : found_device(terms_.sensor);
   check_called(terms_.sensor, control, {});  // before a key is made; with it once more
   client_ = std::make_unique<client::PairClient>(std::move(transport), wish_, control);
 }

@@ -39,7 +39,7 @@ client::Receiver open_receiver(ReceiveOptions& options, const wire::RawRequest& 
   where.address = options.bind.value_or(where.address);
   where.port = options.port.value_or(where.port);
   where.reassembler = options.reassembler;
-  if (!options.device && !options.sensor.empty()) {
+  if (!options.device) {
     options.device = found_device(options.sensor);
   }
   where.reassembler.device_id = options.device;

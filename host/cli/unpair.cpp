@@ -167,8 +167,7 @@ void unpair(const UnpairOptions& options) {
   const std::string place = transport->place();
   client::ControlOptions control = timing(options.timeout_s);
   control.keys = meant.keys;
-  control.device_id =
-      meant.device || options.sensor.empty() ? meant.device : found_device(options.sensor);
+  control.device_id = meant.device ? meant.device : found_device(options.sensor);
   control.unsigned_answers =
       options.serial.empty() ? client::Unsigned::kNever : client::Unsigned::kAlways;
   client::ControlClient client(std::move(transport), control);

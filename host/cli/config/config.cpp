@@ -64,7 +64,7 @@ client::ControlOptions control_options(const ConfigOptions& options) {
     control.keys = meant.keys;
     control.doubt = std::move(meant.doubt);
   }
-  if (!control.device_id && !options.sensor.empty()) {
+  if (!control.device_id) {
     control.device_id = found_device(options.sensor);
   }
   if (!options.serial.empty()) {

@@ -29,7 +29,8 @@ std::string sensor_address(const std::string& called);
 // looked for that reads so.
 std::optional<std::uint32_t> serial_device(const std::string& called);
 
-// That of the sensor which was found as sensor_address() finds it; none: an address or a host.
+// That of the sensor which was found as sensor_address() finds it; none: an address, a
+// host, or nothing at all.
 std::optional<std::uint32_t> found_device(const std::string& called);
 
 // It was found by its name.

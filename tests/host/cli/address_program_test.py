@@ -248,6 +248,7 @@ class ByBroadcast(Address):
         time.sleep(1.5)
         self.assertEqual(len(self.setter.log), asked)
 
+
 class ByIpv6(Address):
     """The addresses that IPv6 gives each link lead to it whatever the others are."""
 
