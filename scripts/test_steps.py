@@ -65,9 +65,14 @@ def check(*command):
 
 def unit_tests(log, script):
     """The cases of a Python test."""
+    seen = len(log.lines())
     succeeded = log.run("python3", "-B", script)
-    ran = re.findall(r"^Ran (\d+) tests", "\n".join(log.lines()), re.MULTILINE)
-    return Count(passed=int(ran[-1])) if succeeded and ran else Count(failed=1)
+    said = log.lines()[seen:]
+    ran = re.findall(r"^Ran (\d+) tests", "\n".join(said), re.MULTILINE)
+    if succeeded and ran:
+        return Count(passed=int(ran[-1]))
+    return Count(failed=1, notes=[f"failed: {script}"],
+                 details=[f"    --- {script}\n{indented(said[-CASE_LINES:])}"])
 
 
 def layers(log):
@@ -87,10 +92,11 @@ def layers(log):
 def objects(log, preset, script):
     """What the kernels of a build are made of, by a script, and whether the script would notice."""
     count = unit_tests(log, f"tests/scripts/{script}_test.py")
-    count.add(one(log.run(f"scripts/{script}.py", f"build/{configured(preset)}")))
-    if count.failed:
-        count.notes.append(f"failed: scripts/{script}.py or its test")
-        count.details.append(f"    --- {script}\n{indented(log.lines()[-CASE_LINES:])}")
+    looked = one(log.run(f"scripts/{script}.py", f"build/{configured(preset)}"))
+    if looked.failed:
+        looked.notes.append(f"failed: scripts/{script}.py")
+        looked.details.append(f"    --- {script}\n{indented(log.lines()[-CASE_LINES:])}")
+    count.add(looked)
     return count
 
 
@@ -410,7 +416,8 @@ def run(chosen, worker):
         if count.failed:
             said = "\n".join(count.details[:CASES_SHOWN]) or log.excerpt()
             print(f"{said}\n    (all of it in {log.path.relative_to(ROOT)})", flush=True)
-            failures += [f"{name}: {note}" for note in count.notes or ["failed"]] + said.splitlines()[-CASE_LINES:]
+            failed = [note for note in count.notes if not note.startswith("figure: ")]
+            failures += [f"{name}: {note}" for note in failed or ["failed"]] + said.splitlines()[-CASE_LINES:]
     if total.skipped:
         print(f"{total.skipped} skipped, each with its reason above")
     if failures:

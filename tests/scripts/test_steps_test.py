@@ -111,6 +111,21 @@ class PreparationTest(unittest.TestCase):
         self.assertEqual(said.splitlines()[-4:-1], ["what failed, and the end of what it said:", "unbuilt: failed", "it"])
 
 
+class UnitTestsTest(unittest.TestCase):
+    def test_the_one_that_fails_is_named_with_what_it_said(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with mock.patch.object(sys.modules["log"], "LOGS", pathlib.Path(folder)):
+                log = test_steps.Log("it")
+            good, bad = pathlib.Path(folder) / "good.py", pathlib.Path(folder) / "bad.py"
+            good.write_text("print('Ran 3 tests')\n")
+            bad.write_text("print('the reason')\nraise SystemExit(1)\n")
+            self.assertEqual(test_steps.unit_tests(log, good), test_steps.Count(passed=3))
+            count = test_steps.unit_tests(log, bad)
+        self.assertEqual((count.passed, count.failed, count.notes), (0, 1, [f"failed: {bad}"]))
+        self.assertIn("the reason", count.details[0])
+        self.assertNotIn("Ran 3 tests", count.details[0])
+
+
 class EndTest(unittest.TestCase):
     PROGRAM = ("import sys, threading\nsys.path.insert(0, sys.argv[1])\nimport log, pathlib, subprocess\n"
                "log.LOGS = pathlib.Path(sys.argv[2])\nstep = log.Log('it')\nstep.aside = True\n{before}"

@@ -20,6 +20,9 @@ import triggered_camera
 import usbredir
 import uvc_camera
 
+sys.path.insert(0, str(initramfs.ROOT / "tests" / "scripts"))
+import pi_packages  # noqa: E402
+
 
 class ArchiveTest(unittest.TestCase):
     def entries(self, data):
@@ -57,7 +60,7 @@ class ArchiveTest(unittest.TestCase):
             folder = pathlib.Path(name)
             (folder / "kernel").mkdir()
             for module, depends in (("top", "mid-dle,base"), ("mid-dle", "base,in_kernel"), ("base", "")):
-                (folder / "kernel" / f"{module}.ko").write_bytes(b"\0depends=" + depends.encode() + b"\0")
+                (folder / "kernel" / f"{module}.ko").write_bytes(pi_packages.module(module.replace("-", "_"), depends))
             (folder / "modules.builtin").write_text("kernel/x/in-kernel.ko\n")
             order = initramfs.Modules(folder).in_order([["base"], ["top"]])
         self.assertEqual([entry[:2] for entry in order], [(0, "base"), (1, "mid_dle"), (1, "top")])
