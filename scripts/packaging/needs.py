@@ -3,7 +3,7 @@
 import re
 
 PACKAGES = {"libc.so.6": "libc6", "libm.so.6": "libc6", "libpthread.so.0": "libc6", "ld-linux-aarch64.so.1": "libc6",
-            "libstdc++.so.6": "libstdc++6", "libgcc_s.so.1": "libgcc-s1", "libusb-1.0.so.0": "libusb-1.0-0"}
+            "libstdc++.so.6": "libstdc++6", "libgcc_s.so.1": "libgcc-s1", "libusb-1.0.so.0": "libusb-1.0-0", "libzstd.so.1": "libzstd1"}
 # Of GLIBCXX_3.4.N the GCC that brought it.
 GCC_OF_GLIBCXX = ((25, "8"), (28, "9"), (29, "11"), (30, "12"), (32, "13.1"), (33, "14"))
 
