@@ -94,8 +94,7 @@ void check_called(client::ControlClient& sensor, const std::string& called) {
   }
   const auto answer = value_or_end(
       sensor.request(wire::SettingsOperation::kGet, wire::SettingsDocument::kActive, {}));
-  const auto settings = read_json(answer.text);
-  const std::string name = settings && settings->is_object() ? settings->value("name", "") : "";
+  const std::string name = name_in_settings(read_json(answer.text).value_or(Json()));
   if (answer.result == wire::SettingsResult::kOk && name != called) {
     throw Failure(Exit::kBadInput,
                   called + ": whoever answers as this sensor is called '" +
@@ -109,6 +108,8 @@ void check_called(const std::string& called, client::ControlOptions control,
                   const wire::KeyTable& keys) {
   if (is_sensor_name(called)) {
     control.keys = keys;
+    // Else whoever says that the key is unknown could say a name, too.
+    control.signed_alone = keys.count() != 0;
     client::ControlClient sensor(open_sensor(called), control);
     check_called(sensor, called);
   }

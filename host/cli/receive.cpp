@@ -16,14 +16,19 @@
 namespace stof::host {
 namespace {
 
+// Of --signed.
+client::Meant signer_of(const ReceiveOptions& options) {
+  const std::string file = keys_file(options.keys);
+  return meant_or_fail(file, value_or_fail(client::read_user_keys(file)), options.sensor,
+                       {.device = options.device, .key_id = key_id_of(options.key)});
+}
+
 // Of signed streams with the keys, and with the sensor that is meant, also in `options`.
 client::SubscriptionOptions subscription(ReceiveOptions& options, const wire::RawRequest& raw) {
   client::SubscriptionOptions terms{.raw = raw, .signed_streams = options.signed_streams};
   if (options.signed_streams) {
     options.keys = keys_file(options.keys);
-    const client::Meant meant =
-        meant_or_fail(options.keys, value_or_fail(client::read_user_keys(options.keys)),
-                      options.sensor, {.device = options.device, .key_id = key_id_of(options.key)});
+    const client::Meant meant = signer_of(options);
     terms.keys = meant.keys;
     terms.reread = client::rereading(options.keys);
     options.device = meant.device;
@@ -48,6 +53,19 @@ client::Receiver open_receiver(ReceiveOptions& options, const wire::RawRequest& 
     throw Failure(Exit::kBadInput, receiver.error().message);
   }
   return std::move(*receiver);
+}
+
+client::ControlOptions reading_control(const ReceiveOptions& options) {
+  constexpr double kAnswerS = 0.3;
+  client::ControlOptions control = timing(kAnswerS);
+  control.signed_alone = options.signed_streams;
+  control.device_id = options.device ? options.device : found_device(options.sensor);
+  if (options.signed_streams) {
+    const client::Meant meant = signer_of(options);
+    control.keys = meant.keys;
+    control.device_id = meant.device ? meant.device : control.device_id;
+  }
+  return control;
 }
 
 std::string place_of(const client::Receiver& receiver) { return "UDP " + receiver.place(); }

@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "host/client/control/control_client.h"
 #include "host/client/receiver.h"
 
 // How commands find a sensor and receive what it sends: `stof view`, `stof record`.
@@ -50,6 +51,9 @@ void judge_receive_options(const ReceiveOptions& options);
 // Also completes `options`: the key file, and which sensor is meant. Asks for `raw` pictures, if
 // for any. Throws Failure.
 client::Receiver open_receiver(ReceiveOptions& options, const wire::RawRequest& raw = {});
+// How documents of the sensor that is received are read: with --signed what it signs alone. Throws
+// Failure.
+client::ControlOptions reading_control(const ReceiveOptions& options);
 void tell_port(const ReceiveOptions& options, const client::Receiver& receiver);
 
 // Of whom a sensor takes how many (docs/WIRE.md, "Subscription").

@@ -8,6 +8,7 @@
 #include "firmware/wire/dns.h"
 #include "firmware/wire/messages/discover.h"
 #include "host/client/control/control_client.h"
+#include "host/client/control/known_sensors.h"
 #include "host/discovery/discovery_socket.h"
 #include "posix/interfaces.h"
 #include "posix/poll.h"
@@ -218,14 +219,15 @@ std::expected<std::vector<FoundSensor>, DiscoverError> discover(const DiscoverOp
 }
 
 std::expected<FoundSensor, DiscoverError> ask_sensor(const std::string& address,
-                                                     std::chrono::milliseconds timeout) {
+                                                     std::chrono::milliseconds timeout,
+                                                     std::optional<std::uint32_t> device) {
   constexpr int kAttempts = 4;
   auto transport = open_udp_transport(address);
   if (!transport) {
     return std::unexpected(DiscoverError{transport.error().message});
   }
   const std::vector<std::byte> question = seal_question(std::random_device{}() | 1U);
-  FoundSensors found;
+  std::optional<std::uint32_t> other;
   for (int i = 0; i < kAttempts; ++i) {
     static_cast<void>((*transport)->send(question));
     const Clock::time_point end = Clock::now() + timeout / kAttempts;
@@ -234,8 +236,13 @@ std::expected<FoundSensor, DiscoverError> ask_sensor(const std::string& address,
       if (!packet && packet.error() == Status::kTimeout) {
         break;
       }
+      FoundSensors found;
       if (packet && found.take_packet(*packet, {}, DiscoveryMethod::kDirect)) {
         FoundSensor sensor = found.sorted().front();
+        if (sensor.device_id != device.value_or(sensor.device_id)) {
+          other = sensor.device_id;
+          continue;
+        }
         const std::string place = (*transport)->place();
         if (const auto at = posix::split_host_port(place)) {
           sensor.address = at->host;
@@ -246,8 +253,9 @@ std::expected<FoundSensor, DiscoverError> ask_sensor(const std::string& address,
     }
   }
   return std::unexpected(DiscoverError{
-      (*transport)->place() +
-      ": does not say who it is: check that the sensor runs, its address and the network"});
+      (*transport)->place() + (other ? ": " + other_sensor(*other, *device)
+                                     : ": does not say who it is: check that the sensor runs, its "
+                                       "address and the network")});
 }
 
 }  // namespace stof::client

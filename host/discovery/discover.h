@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <expected>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,9 +37,11 @@ struct DiscoverError {
 // error: an address that is none, or no socket at all; a network that is missing is none.
 std::expected<std::vector<FoundSensor>, DiscoverError> discover(const DiscoverOptions& options);
 
-// Asks the one at an address, HOST[:PORT], who it is, four times within the timeout. The error: not
-// an address, no such host, or no answer. May block on a name server.
-std::expected<FoundSensor, DiscoverError> ask_sensor(const std::string& address,
-                                                     std::chrono::milliseconds timeout);
+// Asks the one at an address, HOST[:PORT], who it is, four times within the timeout; `device`: no
+// other sensor's answer counts. The error: not an address, no such host, or no answer. May block on
+// a name server.
+std::expected<FoundSensor, DiscoverError> ask_sensor(
+    const std::string& address, std::chrono::milliseconds timeout,
+    std::optional<std::uint32_t> device = std::nullopt);
 
 }  // namespace stof::client

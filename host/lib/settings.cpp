@@ -58,6 +58,7 @@ std::optional<lib::Refusal> lib::open_control(stof_sensor& sensor) {
     options.keys = meant->keys;
     options.device_id = meant->device;
     options.doubt = meant->doubt;
+    options.signed_alone = sensor.is_signed;
   }
   auto opened = client::ControlClient::open(sensor.sensor, options);
   if (!opened) {

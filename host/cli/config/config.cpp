@@ -193,8 +193,8 @@ class Session {
 
   // Tells the new name, too: by the former one nobody finds the sensor any more.
   std::string reset() {
-    const std::string former = name_in(Document::kActive);
-    const std::string name = name_in(Document::kDefaults);
+    const std::string former = name_in_settings(read(Document::kActive));
+    const std::string name = name_in_settings(read(Document::kDefaults));
     client::ControlAnswer answer = ask(Operation::kReset);
     if (name != former) {
       add_note("it was called \"" + former + "\" and is called \"" + name + "\" now", answer.text);
@@ -203,11 +203,6 @@ class Session {
   }
 
  private:
-  std::string name_in(Document document) {
-    const Json name = read(document).value("name", Json());
-    return name.is_string() ? name.get<std::string>() : "";
-  }
-
   static std::vector<std::string> pieces(Words words) {
     return settings_pieces(settings_from_words(words), client::ControlClient::kMaxText);
   }

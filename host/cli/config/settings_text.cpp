@@ -106,6 +106,11 @@ std::optional<Json> read_json(std::string_view text) {
   return parsed.is_discarded() ? std::nullopt : std::optional(std::move(parsed));
 }
 
+std::string name_in_settings(const Json& document) {
+  const Json name = document.is_object() ? document.value("name", Json()) : Json();
+  return name.is_string() ? name.get<std::string>() : "";
+}
+
 Json settings_from_words(std::span<const std::string> words) {
   if (words.empty()) {
     throw Failure(Exit::kBadInput, "nothing to change: give PATH=VALUE, or a file of settings");

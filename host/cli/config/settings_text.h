@@ -19,6 +19,9 @@ using Json = nlohmann::ordered_json;
 // are.
 std::optional<Json> read_json(std::string_view text);
 
+// What a document calls the sensor, any text; empty: it does not.
+std::string name_in_settings(const Json& document);
+
 // {"streams.depth=raw", "depth.match.lr=2", "rig.json"} as one document; what comes later changes
 // what came before. A word without "=" is the name of a file. Throws Failure.
 Json settings_from_words(std::span<const std::string> words);

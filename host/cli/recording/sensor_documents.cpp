@@ -1,27 +1,25 @@
 #include "host/cli/recording/sensor_documents.h"
 
-#include "host/cli/own_keys.h"
+#include "host/cli/failure.h"
 #include "host/cli/sensor/find_sensor.h"
 
 namespace stof::host {
-namespace {
-
-constexpr double kAnswerS = 0.3;
-
-}  // namespace
 
 recording::SensorDocuments read_documents(const ReceiveOptions& options, bool calibration) {
   if (options.sensor.empty()) {
     constexpr const char* kNotAsked = "the sensor was not asked: it sends here by itself";
     return {.no_settings = kNotAsked, .no_calibration = kNotAsked};
   }
-  client::ControlOptions control = timing(kAnswerS);
-  control.device_id = options.device ? options.device : found_device(options.sensor);
-  auto asked = client::ControlClient::open(sensor_address(options.sensor), control);
-  if (!asked) {
-    return {.no_settings = asked.error().message, .no_calibration = asked.error().message};
+  try {
+    auto asked =
+        client::ControlClient::open(sensor_address(options.sensor), reading_control(options));
+    if (!asked) {
+      return {.no_settings = asked.error().message, .no_calibration = asked.error().message};
+    }
+    return recording::read_documents(*asked, calibration);
+  } catch (const Failure& failure) {  // the keys have gone meanwhile
+    return {.no_settings = failure.what(), .no_calibration = failure.what()};
   }
-  return recording::read_documents(*asked, calibration);
 }
 
 std::string name_for_file(const ReceiveOptions& options) {

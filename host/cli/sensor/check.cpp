@@ -128,7 +128,8 @@ CheckFacts check_sensor(const CheckOptions& options,
   note_reception(reception, facts);
   if (facts.clock == wire::ClockState::kRecorded) {
     facts.no_identity = "a recording is played again, which does not say";
-  } else if (auto identity = ask_identity(options, facts.comes == Comes::kFrames)) {
+  } else if (auto identity =
+                 ask_identity(options, facts.comes == Comes::kFrames, facts.stats.device)) {
     facts.identity = std::move(*identity);
   } else {
     facts.no_identity = identity.error();

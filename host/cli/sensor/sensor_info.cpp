@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "host/cli/config/settings_text.h"
 #include "host/cli/live/reception.h"
 #include "host/cli/sensor/find_sensor.h"
 #include "host/cli/sensor_text.h"
@@ -13,28 +14,41 @@
 namespace stof::host {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr double kFixedPixel = 65536;
-
-std::string identity_text(const client::FoundSensor& one) {
-  return "  serial " + one.serial + ", name '" + one.name + "', board " + one.board + ", version " +
-         one.version + printed(", %u of %u subscribers\n", one.subscribers, one.most_subscribers);
-}
 
 Json parsed_or_null(const std::string& document) {
   const Json json = Json::parse(document, nullptr, false);
   return json.is_discarded() ? Json(nullptr) : json;
 }
 
+std::string identity_text(const SensorInfo& info) {
+  if (!info.identity) {
+    return "  it does not say who it is: " +
+           (info.no_identity.empty() ? "a replay" : info.no_identity) + "\n";
+  }
+  const client::FoundSensor& one = *info.identity;
+  return "  serial " + one.serial + ", name '" + one.name +
+         (info.is_signed ? "'; without a signature: board " : "', board ") + one.board +
+         ", version " + one.version +
+         printed(", %u of %u subscribers\n", one.subscribers, one.most_subscribers);
+}
+
+// What a signature proves of it takes the place of what anybody may announce.
+void prove(client::FoundSensor& identity, const SensorInfo& info) {
+  identity.serial = printed("%08x", info.device_id);
+  identity.name =
+      client::printable(name_in_settings(read_json(info.documents.settings).value_or(Json())));
+}
+
 }  // namespace
 
 std::expected<client::FoundSensor, std::string> ask_identity(const ReceiveOptions& options,
-                                                             bool sends) {
+                                                             bool sends,
+                                                             std::optional<std::uint32_t> device) {
   const std::chrono::duration<double> patience(sends ? options.timeout_s : 1);
   auto identity =
       client::ask_sensor(sensor_address(options.sensor),
-                         std::chrono::duration_cast<std::chrono::milliseconds>(patience));
+                         std::chrono::duration_cast<std::chrono::milliseconds>(patience), device);
   if (!identity) {
     return std::unexpected(identity.error().message);
   }
@@ -79,11 +93,17 @@ SensorInfo read_sensor_info(const ReceiveOptions& options) {
   if (replay) {  // it answers subscriptions alone
     return info;
   }
-  if (auto identity = ask_identity(options, true)) {
-    info.identity = std::move(*identity);
-  }
   for (int i = 0; i < kTries && info.documents.settings.empty(); ++i) {
     info.documents = read_documents(options, false);
+  }
+  if (auto identity = ask_identity(options, true, info.device_id)) {
+    info.identity = std::move(*identity);
+  } else {
+    info.no_identity = std::move(identity.error());
+  }
+  info.is_signed = options.signed_streams;
+  if (info.identity && info.is_signed) {
+    prove(*info.identity, info);
   }
   return info;
 }
@@ -111,8 +131,7 @@ Json calibration_json(const wire::CalibrationPacket& one) {
 
 std::string sensor_info_text(const SensorInfo& info) {
   std::string text = info.place + ", sensor " + std::to_string(info.device_id) + "\n";
-  text += info.identity ? identity_text(*info.identity)
-                        : "  it does not say who it is: a replay, or the answer was lost\n";
+  text += identity_text(info);
   text += "  " + info.streams + "\n  clock: " + info.clock + "\n";
   text += printed("  settings: revision %u, fingerprint %08x%s\n", info.settings_revision,
                   info.settings_fingerprint,
@@ -134,6 +153,9 @@ Json sensor_info_json(const SensorInfo& info) {
                 {"address", info.identity->address},
                 {"port", info.identity->port},
                 {"most_subscribers", info.identity->most_subscribers}};
+    if (info.is_signed) {
+      identity["unsigned"] = {"board", "version", "address", "port", "most_subscribers"};
+    }
   }
   Json calibration = nullptr;
   if (info.calibration) {

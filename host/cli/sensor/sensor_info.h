@@ -18,7 +18,11 @@ namespace stof::host {
 // What a sensor that runs is, and what it sends.
 struct SensorInfo {
   std::string place{};
-  std::optional<client::FoundSensor> identity{};  // none: it does not say who it is, as a replay
+  // None: it does not say who it is, as a replay. With --signed its serial number and its name are
+  // proven, and nothing else of it.
+  std::optional<client::FoundSensor> identity{};
+  std::string no_identity{};  // why
+  bool is_signed = false;
   std::uint32_t device_id = 0;
   std::string streams{};  // of a frame, as `stof view` says
   const char* clock = "unknown";
@@ -30,9 +34,10 @@ struct SensorInfo {
 };
 
 // Asks it for that, for the timeout of the options where it `sends`, a second where nobody knows.
-// The error: why it is not told.
+// device: that sends, who alone counts. The error: why it is not told.
 std::expected<client::FoundSensor, std::string> ask_identity(const ReceiveOptions& options,
-                                                             bool sends);
+                                                             bool sends,
+                                                             std::optional<std::uint32_t> device);
 
 // Subscribes for a second or two. Throws Failure where no frame comes.
 SensorInfo read_sensor_info(const ReceiveOptions& options);

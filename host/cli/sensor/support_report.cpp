@@ -87,15 +87,12 @@ void add_pictures(const FrameCopy& frame, Files& files) {
 // What anybody may read. A sensor that gives one of them not is no reason to give no report.
 void add_documents(const SupportReportOptions& options, Files& files) {
   using Document = wire::SettingsDocument;
-  constexpr std::chrono::milliseconds kAttempt{300};
   const std::pair<Document, const char*> documents_of_settings[] = {
       {Document::kActive, "settings_active.json"},
       {Document::kSaved, "settings_saved.json"},
       {Document::kDefaults, "settings_defaults.json"}};
-  auto client = client::ControlClient::open(
-      sensor_address(options.sensor),
-      {.timeout = kAttempt,
-       .device_id = options.device ? options.device : found_device(options.sensor)});
+  auto client =
+      client::ControlClient::open(sensor_address(options.sensor), reading_control(options));
   for (const auto& [document, name] : documents_of_settings) {
     auto answer = client ? client->request(wire::SettingsOperation::kGet, document, {})
                          : std::unexpected(client.error());

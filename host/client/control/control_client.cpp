@@ -146,6 +146,11 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
       return std::unexpected(error(Status::kTimeout, "its answer takes too long: try again"));
     }
     const bool sealed = signer_.key() != nullptr;
+    if (keys_refused_ && options_.signed_alone) {
+      return std::unexpected(error(Status::kUnsupported,
+                                   "has none of your keys, it says: pair with it, see stof pair "
+                                   "--help"));
+    }
     if (keys_refused_ && !only_reads(operation)) {
       return keys_unknown();
     }
@@ -325,6 +330,9 @@ std::optional<ControlClient::Part> ControlClient::read_answer(std::span<const st
 }
 
 bool ControlClient::takes_unsigned(wire::SettingsOperation operation) const {
+  if (options_.signed_alone) {
+    return false;
+  }
   if (only_reads(operation) || options_.unsigned_answers == Unsigned::kAlways) {
     return true;
   }
@@ -394,6 +402,11 @@ ControlError ControlClient::used_up() const {
 
 ControlError ControlClient::unproven() const {
   const std::string number = std::to_string(signer_.device_id());
+  if (options_.signed_alone) {
+    return error(Status::kUnsupported, "says that it is number " + number +
+                                           ", of which you have no key: nothing proves what it "
+                                           "tells: pair with it, see stof pair --help");
+  }
   return error(Status::kUnsupported,
                options_.unsigned_answers == Unsigned::kNever
                    ? "says that it is number " + number +

@@ -39,6 +39,7 @@ struct ControlOptions {
   std::optional<std::uint32_t> device_id{};  // refuse any other sensor
   wire::KeyTable keys{};  // of sensors; requests to one of them are signed with its key
   Unsigned unsigned_answers = Unsigned::kWithoutKeys;
+  bool signed_alone = false;  // documents, too, are read with a key and believed signed alone
   std::string doubt{};  // Meant::doubt: not empty: documents are read, and nothing else is asked
 };
 
@@ -55,8 +56,8 @@ struct ControlAnswer {
 
 // Asks one sensor to read or change settings; blocks until it is answered. For one thread.
 // With a key of the sensor requests are signed, and only answers that it signed too are believed;
-// where the sensor has none of the keys (any more), documents are read without, and nothing is
-// changed but as ControlOptions::unsigned_answers says.
+// where the sensor has none of the keys (any more), documents are read without (but where they are
+// believed signed alone), and nothing is changed but as ControlOptions::unsigned_answers says.
 class ControlClient {
  public:
   static constexpr std::size_t kMaxText = 1024;  // of a request, bytes

@@ -166,7 +166,7 @@ std::string doubt_of(const wire::KeyTable& keys, const Sensors& known,
   }
   if (devices.size() > 1) {
     return "your keys are of several sensors (" + joined(devices) +
-           "), and none of them was proven at this address: name the one that is meant";
+           "), and none of them was proven under this name or address: name the one that is meant";
   }
   const auto twice =
       std::ranges::find_if(proven, [](const auto& of) { return of.second.size() > 1; });
@@ -174,7 +174,7 @@ std::string doubt_of(const wire::KeyTable& keys, const Sensors& known,
              ? ""
              : "your keys are of several sensors with number " + std::to_string(twice->first) +
                    " (keys " + joined(twice->second) +
-                   "), and none of them was proven at this address: name the one that is meant";
+                   "), and none of them was proven under this name or address: name the one that is meant";
 }
 
 std::expected<Meant, OpenError> meant_by_key(const std::string& key_file,

@@ -31,6 +31,7 @@ void RequestSigner::note_origin(const wire::Origin& origin) {
   }
   origin_ = origin;
   counter_ = 0;
+  sealed_ = {};
   if (!same) {
     at_ = last_key_before(static_cast<int>(keys_.count()));
   }
@@ -93,6 +94,8 @@ std::span<const std::byte> RequestSigner::seal(PacketType type, std::size_t payl
                                                wire::DatagramBuffer& buffer) {
   const wire::Key& key = *this->key();
   counter_ = std::max(counter_ + 1, microseconds_now());
+  std::ranges::rotate(sealed_, sealed_.end() - 1);
+  sealed_.front() = counter_;
   return wire::seal_signed(
       {.type = PacketType::kSignedRequest, .origin = origin_},
       {.key_id = key.id, .type = static_cast<std::uint8_t>(type), .counter = counter_},
@@ -108,12 +111,14 @@ std::optional<RequestSigner::Answer> RequestSigner::open(
     return std::nullopt;
   }
   const Result<wire::SignedView> view = wire::open_signed(packet, datagram);
-  if (!view || view->fields.key_id != key->id || view->fields.counter != counter_ ||
+  if (!view || view->fields.key_id != key->id || view->fields.counter == 0 ||
+      std::ranges::find(sealed_, view->fields.counter) == sealed_.end() ||
       view->fields.type != static_cast<std::uint8_t>(answer_) ||
       !wire::signed_with(key->secret, *view)) {
     return std::nullopt;
   }
-  return Answer{.payload = view->payload, .highest = view->fields.highest};
+  return Answer{
+      .payload = view->payload, .highest = view->fields.highest, .counter = view->fields.counter};
 }
 
 std::optional<std::uint8_t> RequestSigner::tags_of(const Answer& answer) {
@@ -131,8 +136,8 @@ wire::StreamKey RequestSigner::open_stream_key(const Answer& answer) const {
   }
   const Result<wire::StreamKeyFields> fields =
       wire::decode_stream_key_fields(answer.payload.subspan(wire::kSubscribedBytes));
-  return fields ? wire::open_stream_key(*fields,
-                                        {.sensor = origin_, .key = *key(), .counter = counter_})
+  return fields ? wire::open_stream_key(
+                      *fields, {.sensor = origin_, .key = *key(), .counter = answer.counter})
                 : wire::StreamKey{};
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -23,6 +25,7 @@ class RequestSigner {
   struct Answer {
     std::span<const std::byte> payload;  // of the message that was signed
     std::uint64_t highest = 0;           // counter that the sensor has taken of this key
+    std::uint64_t counter = 0;           // of the request that it answers
   };
 
   explicit RequestSigner(const wire::KeyTable& keys);
@@ -53,7 +56,8 @@ class RequestSigner {
   // kSubscribe or kUnsubscribe.
   std::span<const std::byte> seal(wire::PacketType type, const wire::Subscribe& request,
                                   wire::DatagramBuffer& buffer);
-  // The answer to the request that was sealed last; none: it is not, or nobody knows of whom.
+  // The answer to one of the newest requests that were sealed: on a slow network more than one is
+  // on its way. None: it is not, or nobody knows of whom.
   std::optional<Answer> open(const wire::PacketView& packet,
                              std::span<const std::byte> datagram) const;
   // The stream key that such an answer hands over; number 0: none, or its tags are not known here.
@@ -62,6 +66,8 @@ class RequestSigner {
   static std::optional<std::uint8_t> tags_of(const Answer& answer);
 
  private:
+  static constexpr std::size_t kAnswerable = 8;  // newest requests whose answers count
+
   int last_key_before(int end) const;
   std::span<const std::byte> seal(wire::PacketType type, std::size_t payload_bytes,
                                   wire::DatagramBuffer& buffer);
@@ -70,7 +76,8 @@ class RequestSigner {
   wire::Origin origin_{};  // device 0: nobody has answered
   int at_ = -1;            // of the key, in keys_; -1: none
   std::uint64_t counter_ = 0;
-  wire::PacketType answer_{};  // that belongs to what was sealed last
+  std::array<std::uint64_t, kAnswerable> sealed_{};  // counters of these, the newest first; 0: none
+  wire::PacketType answer_{};                        // that belongs to what was sealed last
 };
 
 }  // namespace stof::client

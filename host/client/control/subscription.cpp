@@ -42,8 +42,8 @@ std::span<const std::byte> Subscription::due(Time now) {
   }
   // Each answer that gets lost costs another key.
   next_ = now + (wants_key_ ? kFullRepeat : kRepeat);
-  asked_ = now;
   ++request_;
+  asked(request_) = now;
   return seal(PacketType::kSubscribe);
 }
 
@@ -57,7 +57,7 @@ void Subscription::renew_key(Time now) {
 
 void Subscription::doubt(Time now) {
   if (state_ == State::kActive) {
-    next_ = std::min(next_, std::max(now, asked_ + kRepeat));
+    next_ = std::min(next_, std::max(now, asked(request_) + kRepeat));
   }
 }
 
@@ -88,9 +88,8 @@ bool Subscription::take(std::span<const std::byte> datagram, Time now) {
     // Who signs lets nobody else use up a request.
     if (!signs() || type == PacketType::kSignedAnswer) {
       answered_ = answer->request_id;
-      if (answer->request_id == request_) {
-        round_trip_ = std::min(round_trip_.value_or(now - asked_), now - asked_);
-      }
+      const Duration took = now - asked(answer->request_id);
+      round_trip_ = std::min(round_trip_.value_or(took), took);
     }
     answerer_ = packet->header.origin;
     answered(*answer, now);
@@ -119,7 +118,7 @@ bool Subscription::judge(const wire::PacketView& packet, std::span<const std::by
       const wire::StreamKey key = signer_->open_stream_key(*opened);
       if (key.number != stream_key_.number ||
           !wire::equal_secrets(key.secret, stream_key_.secret)) {
-        key_asked_ = asked_;
+        key_asked_ = asked(answer->request_id);
         wants_key_ = false;
       }
       stream_key_ = key;

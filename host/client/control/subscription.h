@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -112,6 +113,8 @@ class Subscription {
   void judge_tags(const RequestSigner::Answer& answer);
   void reread_keys(Time now);
   void hurry(Time now);
+  // When one of the newest requests was sent.
+  Time& asked(std::uint32_t request) { return asked_[request % kAnswerable]; }
 
   SubscriptionOptions options_;
   std::uint32_t request_;   // of the newest request
@@ -129,7 +132,7 @@ class Subscription {
   std::uint8_t other_tags_ = wire::kStreamTags;
   std::optional<Time> renewed_;
   std::optional<Time> reread_;
-  Time asked_ = Time::min();  // the newest request
+  std::array<Time, kAnswerable> asked_{};
   std::optional<Duration> round_trip_;
   Time key_asked_ = Time::min();
   std::uint32_t proven_key_ = 0;

@@ -3,6 +3,7 @@
 (STOFD holds that command, its words separated by |), with somebody between who forges."""
 
 import collections
+import json
 import os
 import pathlib
 import re
@@ -160,6 +161,43 @@ class SignedView(unittest.TestCase):
         self.assertEqual(seen.returncode, 1, seen.stdout)
         self.assertRegex(seen.stderr, r"packets came, but no frame.*not signed for this program")
         self.assertEqual(self.view(self.between(strip), "--frames", 10).returncode, 0)
+
+    def test_no_document_and_no_announcement_is_believed_without_either(self):
+        false = b'{"name":"elsewhere"}'
+
+        def lie(datagram):
+            header, payload = wire.parse(datagram)
+            if header.type == wire.PacketType.SETTINGS_ANSWER:
+                answer = wire.SettingsAnswer.unpack(payload)
+                answer.result, answer.total = wire.SettingsResult.OK, len(false)
+                return [wire.seal(header, answer.pack() + false), datagram]
+            if header.type == wire.PacketType.ANNOUNCE:
+                announce = wire.Announce.unpack(payload)
+                announce.name, announce.serial = "elsewhere", "00000009"
+                mine = wire.seal(header, announce.pack())
+                header.origin = wire.Origin(device_id=9, session_id=1)
+                return [wire.seal(header, announce.pack()), mine, datagram]
+            return [datagram]
+
+        port = self.between(lie)
+        seen = self.stof("info", f"127.0.0.1:{port}", "--signed", "--keys", self.keys, "--json")
+        self.assertEqual((seen.returncode, seen.stderr), (0, ""), seen.stdout)
+        info = json.loads(seen.stdout)
+        self.assertEqual((info["device_id"], info["identity"]["serial"], info["identity"]["name"]), (1, "00000001", "stof"))
+        self.assertEqual(info["settings"]["name"], "stof")
+        self.assertIn("board", info["identity"]["unsigned"])
+        # Who asks for no signature believes the first that answers.
+        self.assertEqual(json.loads(self.stof("info", f"127.0.0.1:{port}", "--json").stdout)["settings"]["name"], "elsewhere")
+        file = self.folder / "it.mcap"
+        recorded = self.stof("record", f"127.0.0.1:{port}", file, "--frames", 3, "--signed", "--keys", self.keys)
+        self.assertEqual(recorded.returncode, 0, recorded.stderr)
+        self.assertEqual(json.loads(self.stof("info", file, "--json").stdout)["settings"]["name"], "stof")
+
+    def test_a_way_that_takes_longer_than_a_request_waits_is_no_obstacle(self):
+        seen = self.view(self.between(lambda datagram: [datagram], due=lambda came: came + 0.35), "--signed", "--keys", self.keys,
+                         "--frames", 10)
+        self.assertEqual(seen.returncode, 0, seen.stdout + seen.stderr)
+        self.assertNotIn("forged traffic", seen.stdout)
 
     def test_a_stream_that_is_slowed_is_refused_however_long_it_goes_on(self):
         for seconds in (6, 60):  # 37 frames of 75, the last of them three seconds old; a busy machine has fewer

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,8 +23,8 @@ using test::numbered_key;
 using wire::SubscribeResult;
 using State = Subscription::State;
 
-constexpr std::uint32_t kDevice = 1;  // of numbered_key()
-constexpr Time kStart{1000s};
+constexpr std::uint32_t kSensor = 1;  // of numbered_key()
+constexpr Time kSubscribed{1000s};
 
 SubscriptionOptions with(std::initializer_list<wire::Key> keys) {
   SubscriptionOptions options{.signed_streams = true};
@@ -43,7 +44,7 @@ class SignedSubscription : public testing::Test {
   void start(std::uint32_t session) {
     subscribers_ = {};
     authenticator_.emplace(ring_);
-    handler_.emplace(wire::Origin{.device_id = kDevice, .session_id = session},
+    handler_.emplace(wire::Origin{.device_id = kSensor, .session_id = session},
                      firmware::CookieSecret{static_cast<std::byte>(session)}, subscribers_, nullptr,
                      &*authenticator_);
   }
@@ -70,12 +71,48 @@ class SignedSubscription : public testing::Test {
   wire::StreamKey sensors_key() const { return subscribers_.list().keys[0]; }
 
   wire::Key key_ = numbered_key(4, wire::Role::kView);
-  Time now_ = kStart;
+  Time now_ = kSubscribed;
   keys::Keyring ring_{nullptr, nullptr};
   firmware::LeaseTable subscribers_;
   std::optional<keys::Authenticator> authenticator_;
   std::optional<firmware::RequestHandler> handler_;
 };
+
+// Requests are on their way when the answer to one of before comes.
+TEST_F(SignedSubscription, ComesToTheKeyWhereAnswersTakeLongerThanTheNextRequest) {
+  for (const Duration way : {90ms, 100ms, 130ms, 300ms, 900ms}) {
+    start(7);
+    Subscription subscription(with({key_}), 100);
+    std::multimap<Time, Bytes> requests;
+    std::multimap<Time, Bytes> answers;
+    const Time begin = now_;
+    std::optional<Duration> active;
+    for (; now_ < begin + 10s; now_ += 10ms) {
+      if (const auto request = subscription.due(now_); !request.empty()) {
+        requests.emplace(now_ + way, Bytes(request.begin(), request.end()));
+      }
+      for (; !requests.empty() && requests.begin()->first <= now_;
+           requests.erase(requests.begin())) {
+        const auto answer = handler_->take(requests.begin()->second, test::peer(1),
+                                           hal::Time(now_.time_since_epoch()));
+        answers.emplace(now_ + way, Bytes(answer.begin(), answer.end()));
+      }
+      for (; !answers.empty() && answers.begin()->first <= now_; answers.erase(answers.begin())) {
+        subscription.take(answers.begin()->second, now_);
+      }
+      subscription.heard(now_);  // frames
+      if (!active && subscription.state() == State::kActive) {
+        active = now_ - begin;
+      }
+    }
+    ASSERT_TRUE(active) << way.count();
+    EXPECT_LE(*active, 4 * way + 2 * Subscription::kRepeat) << way.count();
+    EXPECT_EQ(subscription.round_trip(), 2 * way);
+    EXPECT_EQ(subscription.stream_key().number, sensors_key().number);
+    EXPECT_TRUE(wire::equal_secrets(subscription.stream_key().secret, sensors_key().secret));
+    EXPECT_LE(subscription.key_asked(), begin + *active + 2 * way) << "keys go on being asked for";
+  }
+}
 
 TEST_F(SignedSubscription, ComesToTheKeyThatTheSensorSignsWith) {
   Subscription subscription(with({key_}), 5);
@@ -128,7 +165,7 @@ TEST_F(SignedSubscription, ASensorThatStartsAgainGivesAnotherKey) {
 
 TEST_F(SignedSubscription, WithoutAKeyThatTheSensorHasThereIsNoSubscription) {
   wire::Key elsewhere = key_;
-  elsewhere.device = kDevice + 1;
+  elsewhere.device = kSensor + 1;
   for (const auto& options : {with({}), with({elsewhere}), with({numbered_key(9)})}) {
     Subscription subscription(options, 5);
     for (int i = 0; i < 30; ++i) {
@@ -203,7 +240,7 @@ TEST_F(SignedSubscription, AForgedRefusalPassesAndAForgedConsentIsNone) {
           {.request_id = request_id + ahead, .result = said, .lease_ms = 10'000, .cookie = 1},
           payload);
       static_cast<void>(
-          subscription.take(test::sealed(wire::PacketType::kSubscribed, payload, kDevice), now_));
+          subscription.take(test::sealed(wire::PacketType::kSubscribed, payload, kSensor), now_));
     }
     EXPECT_NE(subscription.state(), State::kActive) << static_cast<int>(said);
     EXPECT_NE(subscription.state(), State::kFull);
@@ -214,15 +251,18 @@ TEST_F(SignedSubscription, AForgedRefusalPassesAndAForgedConsentIsNone) {
   EXPECT_EQ(subscription.state(), State::kActive);
 }
 
-TEST_F(SignedSubscription, AnAnswerToAnEarlierRequestIsNoneToThis) {
+TEST_F(SignedSubscription, AnAnswerToAnEarlierRequestCountsUntilANewerOneCame) {
   Subscription subscription(with({key_}), 5);
   ASSERT_TRUE(subscription.take(answer_due(subscription), now_));
   const Bytes early = answer_due(subscription);
   now_ += Subscription::kRepeat;
   const Bytes now = answer_due(subscription);
   EXPECT_TRUE(subscription.take(early, now_));
-  EXPECT_EQ(subscription.stream_key().number, 0U);
+  EXPECT_NE(subscription.stream_key().number, 0U);
+  EXPECT_NE(subscription.stream_key(), sensors_key());
   EXPECT_TRUE(subscription.take(now, now_));
+  EXPECT_EQ(subscription.stream_key(), sensors_key());
+  subscription.take(early, now_);
   EXPECT_EQ(subscription.stream_key(), sensors_key());
 }
 
@@ -241,7 +281,7 @@ TEST_F(SignedSubscription, AsksForANewKeyAtOnceAndOnceASecond) {
   const wire::StreamKey second = subscription.stream_key();
   EXPECT_EQ(second.number, first.number + 1);
   EXPECT_EQ(second, sensors_key());
-  EXPECT_EQ(subscription.key_asked(), kStart + 90ms);
+  EXPECT_EQ(subscription.key_asked(), kSubscribed + 90ms);
   now_ += 1s;
   subscription.heard(now_);
   subscription.renew_key(now_);
@@ -324,10 +364,10 @@ TEST_F(SignedSubscription, WhoIsNotTheSensorThatIsMeantIsNamedAndNotBelieved) {
     now_ += 200ms;
   }
   EXPECT_EQ(subscription.state(), State::kAsking);
-  EXPECT_EQ(subscription.other_sensor(), kDevice);
+  EXPECT_EQ(subscription.other_sensor(), kSensor);
   EXPECT_EQ(subscription.stream_key().number, 0U);
   EXPECT_EQ(subscribers_.count(), 0U);
-  options.device_id = kDevice;
+  options.device_id = kSensor;
   Subscription right(options, 5);
   talk(right);
   EXPECT_EQ(right.state(), State::kActive);

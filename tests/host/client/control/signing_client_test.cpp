@@ -44,8 +44,8 @@ class Noting final : public firmware::SettingsService {
 };
 
 // A sensor in memory, and whoever sits between it and the client.
-struct SensorInMemory {
-  explicit SensorInMemory(std::uint32_t session = 7) { start(session); }
+struct SigningSensor {
+  explicit SigningSensor(std::uint32_t session = 7) { start(session); }
 
   void start(std::uint32_t session) {
     authenticator.emplace(ring);
@@ -71,7 +71,7 @@ struct SensorInMemory {
 
 class Cable final : public ControlTransport {
  public:
-  explicit Cable(SensorInMemory& sensor) : sensor_(sensor) {}
+  explicit Cable(SigningSensor& sensor) : sensor_(sensor) {}
   Status send(std::span<const std::byte> packet) override {
     if (Bytes answer = sensor_.take(packet); !answer.empty()) {
       for (Bytes& arriving : sensor_.between(std::move(answer))) {
@@ -93,11 +93,11 @@ class Cable final : public ControlTransport {
   Reach reach() const override { return sensor_.reach; }
 
  private:
-  SensorInMemory& sensor_;
+  SigningSensor& sensor_;
   std::deque<Bytes> waiting_;
 };
 
-ControlClient client_of(SensorInMemory& sensor, std::initializer_list<wire::Key> keys) {
+ControlClient client_of(SigningSensor& sensor, std::initializer_list<wire::Key> keys) {
   ControlOptions options{.timeout = 3ms};
   for (const wire::Key& key : keys) {
     EXPECT_EQ(options.keys.add(key), Status::kOk);
@@ -109,8 +109,14 @@ std::expected<ControlAnswer, ControlError> set(ControlClient& client) {
   return client.request(SettingsOperation::kSet, {}, "{}");
 }
 
+std::uint32_t request_id_of(const Bytes& answer) {
+  const auto packet = wire::parse_packet(answer);
+  const auto view = wire::open_signed(*packet, answer);
+  return wire::decode_settings_answer(view ? view->payload : packet->payload)->request_id;
+}
+
 TEST(SigningClient, SignsWithTheKeyThatItHasOfTheSensor) {
-  SensorInMemory sensor;
+  SigningSensor sensor;
   ASSERT_EQ(sensor.ring.add(numbered_key(4, wire::Role::kTune)), Status::kOk);
   wire::Key other = numbered_key(5);
   other.device = kDevice + 1;
@@ -127,14 +133,14 @@ TEST(SigningClient, SignsWithTheKeyThatItHasOfTheSensor) {
 }
 
 TEST(SigningClient, WithoutAnyKeyItAsksWithoutASignature) {
-  SensorInMemory sensor;
+  SigningSensor sensor;
   ControlClient client = client_of(sensor, {});
   EXPECT_EQ(set(client).value().result, SettingsResult::kOk);
   EXPECT_EQ(sensor.settings.access, Access::kHarmless);
 }
 
 TEST(SigningClient, WhoeverSaysThatHeIsAnotherSensorIsNotBelieved) {
-  SensorInMemory sensor;
+  SigningSensor sensor;
   ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
   sensor.between = [](Bytes answer) {  // another number, and no signature: all is well
     const auto packet = wire::parse_packet(answer);
@@ -149,7 +155,7 @@ TEST(SigningClient, WhoeverSaysThatHeIsAnotherSensorIsNotBelieved) {
   EXPECT_EQ(sensor.settings.served, 0);
   EXPECT_EQ(client.request(SettingsOperation::kGet, {}, "").value().text, "{}");  // is only read
 
-  SensorInMemory unpaired;
+  SigningSensor unpaired;
   wire::Key other = numbered_key(4);
   other.device = kDevice + 8;
   EXPECT_FALSE(set(*std::make_unique<ControlClient>(client_of(unpaired, {other}))));
@@ -160,7 +166,7 @@ TEST(SigningClient, WhoeverSaysThatHeIsAnotherSensorIsNotBelieved) {
 }
 
 TEST(SigningClient, AnAnswerWithoutASignatureToItsFirstRequestIsNotBelieved) {
-  SensorInMemory sensor;
+  SigningSensor sensor;
   ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
   sensor.between = [first = true](Bytes answer) mutable {
     const auto packet = wire::parse_packet(answer);
@@ -179,8 +185,40 @@ TEST(SigningClient, AnAnswerWithoutASignatureToItsFirstRequestIsNotBelieved) {
   EXPECT_EQ(sensor.settings.access, Access::kAdmin);
 }
 
+TEST(SigningClient, WhereSignedAloneIsAskedForNoDocumentIsBelievedWithout) {
+  const auto alone = [](SigningSensor& sensor, const wire::Key& key) {
+    ControlOptions options{.timeout = 3ms, .signed_alone = true};
+    EXPECT_EQ(options.keys.add(key), Status::kOk);
+    return ControlClient(std::make_unique<Cable>(sensor), options)
+        .request(SettingsOperation::kGet, {}, "");
+  };
+  SigningSensor sensor;
+  ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+  EXPECT_EQ(alone(sensor, numbered_key(4)).value().text, "{}");
+  EXPECT_EQ(sensor.settings.access, Access::kAdmin);
+
+  const auto refused = alone(sensor, numbered_key(5));  // the sensor has it not
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("has none of your keys"), std::string::npos);
+  wire::Key other = numbered_key(4);
+  other.device = kDevice + 8;
+  const auto unknown = alone(sensor, other);
+  ASSERT_FALSE(unknown);
+  EXPECT_NE(unknown.error().message.find("nothing proves what it tells"), std::string::npos);
+
+  sensor.between = [](Bytes answer) {  // somebody is faster
+    Bytes lie(wire::kSettingsAnswerBytes + 2);
+    wire::encode_settings_answer(
+        {.request_id = request_id_of(answer), .result = SettingsResult::kOk, .total = 2},
+        std::span(lie).first<wire::kSettingsAnswerBytes>());
+    return std::vector<Bytes>{test::sealed(wire::PacketType::kSettingsAnswer, lie, kDevice, 7),
+                              std::move(answer)};
+  };
+  EXPECT_EQ(alone(sensor, numbered_key(4)).value().text, "{}");
+}
+
 TEST(SigningClient, ThatItsLastCounterIsUsedUpIsSaid) {
-  SensorInMemory sensor;
+  SigningSensor sensor;
   ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
   ControlClient client = client_of(sensor, {numbered_key(4)});
   ASSERT_TRUE(set(client));
@@ -196,7 +234,7 @@ TEST(SigningClient, ThatItsLastCounterIsUsedUpIsSaid) {
 }
 
 TEST(SigningClient, GoesOnAfterARestartOfTheSensor) {
-  SensorInMemory sensor;
+  SigningSensor sensor;
   ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
   ControlClient client = client_of(sensor, {numbered_key(4)});
   ASSERT_EQ(set(client).value().result, SettingsResult::kOk);
@@ -206,7 +244,7 @@ TEST(SigningClient, GoesOnAfterARestartOfTheSensor) {
 }
 
 TEST(SigningClient, SeveralProgramsShareAKey) {
-  SensorInMemory sensor;
+  SigningSensor sensor;
   ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
   ControlClient one = client_of(sensor, {numbered_key(4)});
   ControlClient two = client_of(sensor, {numbered_key(4)});
@@ -225,7 +263,7 @@ TEST(SigningClient, SeveralProgramsShareAKey) {
 }
 
 TEST(SigningClient, TriesItsOlderKeysAndSaysWhereNoneIsKnown) {
-  SensorInMemory sensor;
+  SigningSensor sensor;
   ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
   ControlClient two = client_of(sensor, {numbered_key(4), numbered_key(5)});
   EXPECT_EQ(set(two).value().result, SettingsResult::kOk);
@@ -239,7 +277,7 @@ TEST(SigningClient, TriesItsOlderKeysAndSaysWhereNoneIsKnown) {
 }
 
 TEST(SigningClient, BelievesNothingThatTheSensorDidNotSign) {
-  SensorInMemory sensor;
+  SigningSensor sensor;
   ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
   ControlClient client = client_of(sensor, {numbered_key(4)});
   ASSERT_TRUE(set(client));
@@ -271,15 +309,9 @@ Bytes forged(std::uint32_t request_id, SettingsResult result, std::uint64_t cook
   return test::sealed(wire::PacketType::kSettingsAnswer, payload, kDevice, 7);
 }
 
-std::uint32_t request_id_of(const Bytes& answer) {
-  const auto packet = wire::parse_packet(answer);
-  const auto view = wire::open_signed(*packet, answer);
-  return wire::decode_settings_answer(view ? view->payload : packet->payload)->request_id;
-}
-
 TEST(SigningClient, ByBroadcastNobodyElseEndsARequest) {
   for (const SettingsResult lie : {SettingsResult::kUnknownKey, SettingsResult::kCookie}) {
-    SensorInMemory sensor;
+    SigningSensor sensor;
     sensor.reach = Reach::kLink;
     ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
     ControlClient client = client_of(sensor, {numbered_key(4)});
@@ -300,7 +332,7 @@ TEST(SigningClient, ByBroadcastNobodyElseEndsARequest) {
 }
 
 TEST(SigningClient, ByBroadcastARefusalWithoutASignatureSaysThatItProvesNothing) {
-  SensorInMemory sensor;
+  SigningSensor sensor;
   sensor.reach = Reach::kLink;
   ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
   ControlClient client = client_of(sensor, {numbered_key(4)});
@@ -316,7 +348,7 @@ TEST(SigningClient, ByBroadcastARefusalWithoutASignatureSaysThatItProvesNothing)
 }
 
 TEST(SigningClient, CookiesWithoutEndAreNotCalledSilence) {
-  SensorInMemory sensor;
+  SigningSensor sensor;
   ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
   ControlClient client = client_of(sensor, {numbered_key(4)});
   ASSERT_TRUE(set(client));
@@ -329,7 +361,7 @@ TEST(SigningClient, CookiesWithoutEndAreNotCalledSilence) {
 }
 
 TEST(SigningClient, AnAnswerOfBeforeIsNotTheAnswerOfNow) {
-  SensorInMemory sensor;
+  SigningSensor sensor;
   ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
   ControlClient client = client_of(sensor, {numbered_key(4)});
   Bytes kept;
@@ -344,7 +376,7 @@ TEST(SigningClient, AnAnswerOfBeforeIsNotTheAnswerOfNow) {
 
 // Keys of two sensors prove that it is one of them, and not that it is the one that was asked for.
 TEST(SigningClient, ChangesNothingWhereNobodyKnowsWhichSensorIsMeant) {
-  SensorInMemory sensor;
+  SigningSensor sensor;
   ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
   ControlOptions options{.timeout = 3ms, .doubt = "name the one that is meant"};
   ASSERT_EQ(options.keys.add(numbered_key(4)), Status::kOk);
@@ -363,7 +395,7 @@ TEST(SigningClient, ChangesNothingWhereNobodyKnowsWhichSensorIsMeant) {
 }
 
 TEST(SigningClient, SaysWhichSensorAnswersInPlaceOfTheOneThatIsMeant) {
-  SensorInMemory sensor;
+  SigningSensor sensor;
   ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
   ControlOptions options{.timeout = 3ms, .device_id = 2};
   ASSERT_EQ(options.keys.add(numbered_key(4)), Status::kOk);
@@ -378,7 +410,7 @@ TEST(SigningClient, SaysWhichSensorAnswersInPlaceOfTheOneThatIsMeant) {
 }
 
 TEST(SigningClient, KnowsWhichSensorHasProvenItself) {
-  SensorInMemory sensor;
+  SigningSensor sensor;
   ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
   ControlClient stranger = client_of(sensor, {});
   EXPECT_TRUE(stranger.request(SettingsOperation::kGet, {}, {}));
