@@ -115,7 +115,9 @@ else()
   list(APPEND STOF_LABELLED_TEST_OPTIONS -g0)
 endif()
 
-# stof_add_test(NAME sad_test SOURCES ... LIBRARIES ... [LABELS kernel]): a GoogleTest program. ctest runs it whole, as one test
+# stof_add_test(NAME sad_test SOURCES ... LIBRARIES ... [ALONE ...] [LABELS kernel]): a GoogleTest program, of a room where no
+# library or label sets its tests apart. Its sources are compiled together, which takes less than half of the time; ALONE are those
+# of them whose own names have another meaning in another one. ctest runs it whole, as one test
 # of its name (a process for each of 3,000 cases, and their list made by every program, took a third of a run with sanitizers), through
 # the emulator where the build is a cross build; scripts/test counts its cases from cases/NAME.xml.
 # LABELS kernel: runs at every level of vectors (tests/support/kernel_check.h). With sanitizers stof_kernel_tests alone builds it.
@@ -125,14 +127,15 @@ endif()
 # in which 64-bit ARM cannot differ; left out of qemu.
 # SLOW_CASES Suite.Case[:Suite.Case]: NAME.slow, with label `slow`.
 function(stof_add_test)
-  cmake_parse_arguments(ARG "" "NAME;LABELS;HOST_CASES;SLOW_CASES" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME;LABELS;HOST_CASES;SLOW_CASES" "SOURCES;ALONE;LIBRARIES" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "stof_add_test(${ARG_NAME}): unknown ${ARG_UNPARSED_ARGUMENTS}")
   endif()
   if(ARG_LABELS STREQUAL "slow" AND (CMAKE_CROSSCOMPILING OR STOF_SANITIZED))
     return()
   endif()
-  add_executable(${ARG_NAME} ${ARG_SOURCES})
+  add_executable(${ARG_NAME} ${ARG_SOURCES} ${ARG_ALONE})
+  set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   set(main GTest::gtest_main)
   if(ARG_LABELS STREQUAL "kernel")
     set(main stof_kernel_check)

@@ -8,7 +8,6 @@ namespace {
 using emu::FaultKind;
 
 constexpr hal::Duration kReadout = std::chrono::milliseconds(6);
-constexpr hal::Duration kPeriod = std::chrono::milliseconds(33);
 
 // The emulated camera's own memory behind a read-only view.
 template <typename T>

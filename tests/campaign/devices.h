@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -15,6 +16,9 @@
 // The emulated devices of a campaign: those of hal/emu with their FaultPlan, and around them faults
 // that begin and end at any moment, in mid-exposure and mid-readout too, and devices that lie.
 namespace stof::campaign {
+
+// Of the rig's edges.
+inline constexpr hal::Duration kPeriod = std::chrono::milliseconds(33);
 
 struct Span {
   hal::Time begin = hal::Time::max();

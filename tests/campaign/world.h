@@ -15,8 +15,6 @@
 
 namespace stof::campaign {
 
-inline constexpr hal::Duration kPeriod = std::chrono::milliseconds(33);
-
 // Faults of the devices of hal/emu, by calls.
 struct CallFaults {
   emu::FaultPlan trigger{};

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kTurnM = 7.49481145;
 
-PmdSensor sensor_of(int width, int height) {
+PmdSensor frame_sensor(int width, int height) {
   PmdSensor sensor;
   sensor.lens = {.width = width, .height = height, .fx = 45.28, .fy = 45.28, .cx = 32, .cy = 8};
   sensor.dark_lsb = 100;
@@ -26,7 +26,7 @@ PmdSensor sensor_of(int width, int height) {
 PmdFrame frame_of(const PmdExposure& first) { return {.first = {&first, 1}}; }
 
 TEST(ConverterFrame, SubtractsStrayLightByIntegrationTime) {
-  PmdSensor sensor = sensor_of(16, 1);
+  PmdSensor sensor = frame_sensor(16, 1);
   sensor.frequency.stray_i_lsb = 40;  // 4000 electrons at an apparent 1.5 m
   sensor.frequency.stray_q_lsb = 124;
   ConverterRig rig(sensor);
@@ -49,7 +49,7 @@ TEST(ConverterFrame, SubtractsStrayLightByIntegrationTime) {
 }
 
 TEST(ConverterFrame, MovesWithTheTemperature) {
-  PmdSensor sensor = sensor_of(8, 1);
+  PmdSensor sensor = frame_sensor(8, 1);
   sensor.frequency.offset_m_per_k = 0.015;
   sensor.reference_c = 20;
   ConverterRig rig(sensor);
@@ -69,7 +69,7 @@ TEST(ConverterFrame, MovesWithTheTemperature) {
 }
 
 TEST(ConverterFrame, AppliesTheStraightLine) {
-  PmdSensor sensor = sensor_of(8, 1);
+  PmdSensor sensor = frame_sensor(8, 1);
   sensor.scale = 1.02;
   sensor.shift_m = -0.25;
   ConverterRig rig(sensor);
@@ -85,7 +85,7 @@ TEST(ConverterFrame, AppliesTheStraightLine) {
 }
 
 TEST(ConverterFrame, TakesSigmaFromThePolynomialWhereThereIsOne) {
-  PmdSensor sensor = sensor_of(8, 1);
+  PmdSensor sensor = frame_sensor(8, 1);
   sensor.sigma_polynomial = SigmaPolynomial{.a = 0.1, .b = 0.002, .c = 3e-5};
   ConverterRig rig(sensor);
   Planes planes(8, 1);
@@ -99,7 +99,7 @@ TEST(ConverterFrame, TakesSigmaFromThePolynomialWhereThereIsOne) {
 }
 
 TEST(ConverterFrame, UndoesTheWayOfLightsBesideTheLens) {
-  PmdSensor sensor = sensor_of(64, 16);
+  PmdSensor sensor = frame_sensor(64, 16);
   sensor.emitter_count = 1;
   sensor.emitters[0] = {0.12, 0, 0};
   ConverterRig rig(sensor);
@@ -113,7 +113,7 @@ TEST(ConverterFrame, UndoesTheWayOfLightsBesideTheLens) {
 }
 
 TEST(ConverterFrame, CountsTurnsBeyondSixteenMetresInTheLongRange) {
-  PmdSensor sensor = sensor_of(9, 2);
+  PmdSensor sensor = frame_sensor(9, 2);
   sensor.frequency.modulation = {5'000'000};  // 29.979 m a turn
   ConverterRig rig(sensor);
   Planes planes(9, 2);
@@ -133,7 +133,7 @@ TEST(ConverterFrame, CountsTurnsBeyondSixteenMetresInTheLongRange) {
 }
 
 PmdSensor two_frequency_sensor(int width, int height) {
-  PmdSensor sensor = sensor_of(width, height);
+  PmdSensor sensor = frame_sensor(width, height);
   sensor.second = PmdFrequency{.modulation = {18'750'000}};
   return sensor;
 }
@@ -206,7 +206,7 @@ TEST(ConverterFrame, MakesSigmaOfTwoFrequenciesSmaller) {
 }
 
 TEST(ConverterFrame, TakesTheLongestExposureThatIsNotSaturated) {
-  PmdSensor sensor = sensor_of(16, 1);
+  PmdSensor sensor = frame_sensor(16, 1);
   sensor.suppressed_lsb = 400;
   ConverterRig rig(sensor);
   Planes brief(16, 1);
@@ -238,7 +238,7 @@ TEST(ConverterFrame, TakesTheLongestExposureThatIsNotSaturated) {
 }
 
 TEST(ConverterFrame, SaysSaturatedWhereAllExposuresAre) {
-  ConverterRig rig(sensor_of(3, 3));
+  ConverterRig rig(frame_sensor(3, 3));
   Planes bright(3, 3);
   bright.show_everywhere(2.0, 4000, 2000);
   const std::vector<PmdExposure> exposures{{bright.samples(), 256}, {bright.samples(), 32}};
@@ -249,7 +249,7 @@ TEST(ConverterFrame, SaysSaturatedWhereAllExposuresAre) {
 
 // measure() and refresh_intervals() are convert(), and readings may be changed between both.
 TEST(ConverterFrame, LetsReadingsBeMovedBeforeIntervals) {
-  ConverterRig rig(sensor_of(8, 3));
+  ConverterRig rig(frame_sensor(8, 3));
   Planes planes(8, 3);
   planes.show_everywhere(7.6, 1500, 600);  // read as 0.105 m
   const PmdMaps& maps = rig.converter().measure(frame_of({.samples = planes.samples()}));

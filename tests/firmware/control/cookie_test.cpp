@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/firmware/control/handler_parts.h"
 #include "tests/firmware/control/requests.h"
 #include "tests/support/random.h"
 
@@ -16,8 +17,6 @@ using namespace std::chrono_literals;
 using firmware::Cookies;
 using firmware::CookieSecret;
 using firmware::siphash24;
-
-constexpr hal::Time kStart{1'000'000s};
 
 CookieSecret counting() {
   CookieSecret key{};

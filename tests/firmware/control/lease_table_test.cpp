@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/firmware/control/handler_parts.h"
 #include "tests/firmware/control/requests.h"
 #include "tests/firmware/keys/some_keys.h"
 
@@ -11,8 +12,6 @@ namespace {
 using namespace std::chrono_literals;
 using firmware::LeaseTable;
 using firmware::ReceiverList;
-
-constexpr hal::Time kStart{100s};
 
 std::vector<hal::Peer> peers(const LeaseTable& subscribers) {
   const ReceiverList list = subscribers.list();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/control/request_handler.h"
+#include "tests/firmware/control/handler_parts.h"
 #include "tests/firmware/keys/signed_requests.h"
 #include "tests/firmware/keys/some_keys.h"
 
@@ -15,25 +16,6 @@ using firmware::CookieSecret;
 using firmware::RequestHandler;
 using wire::Role;
 using wire::SettingsResult;
-
-constexpr hal::Time kStart{1'000'000s};
-constexpr wire::Origin kHere{.device_id = 1, .session_id = 77};
-
-class Noting final : public firmware::SettingsService {
- public:
-  wire::SettingsAnswer serve(const wire::SettingsRequest& /*request*/,
-                             std::span<const std::byte> /*text*/, const firmware::Requester& by,
-                             std::span<std::byte> /*answer_text*/,
-                             std::size_t& answer_bytes) noexcept override {
-    ++served;
-    last = by;
-    answer_bytes = 0;
-    return {.result = SettingsResult::kOk};
-  }
-
-  int served = 0;
-  firmware::Requester last;
-};
 
 hal::Peer over_link(const hal::Peer& peer, std::uint32_t interface = 2) {
   hal::Peer link = peer;
@@ -74,7 +56,7 @@ class LinkRequestTest : public testing::Test {
   keys::Keyring ring_{nullptr, nullptr};
   keys::Authenticator authenticator_{ring_};
   firmware::LeaseTable subscribers_;
-  Noting settings_;
+  NotingSettings settings_;
   RequestHandler handler_{kHere, CookieSecret{}, subscribers_, &settings_, &authenticator_};
 };
 

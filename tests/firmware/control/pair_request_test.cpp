@@ -2,6 +2,7 @@
 
 #include "firmware/control/request_handler.h"
 #include "firmware/serial/line/serial_request_handler.h"
+#include "tests/firmware/control/handler_parts.h"
 #include "tests/firmware/keys/pairing_client.h"
 #include "tests/firmware/keys/signed_requests.h"
 #include "tests/firmware/keys/some_keys.h"
@@ -20,9 +21,6 @@ using wire::PairResult;
 using wire::Role;
 using wire::SettingsResult;
 
-constexpr hal::Time kStart{1'000'000s};
-constexpr wire::Origin kHere{.device_id = 1, .session_id = 77};
-
 Bytes packet(const wire::PairRequest& request) {
   std::array<std::byte, wire::kPairRequestBytes> payload;
   wire::encode_pair_request(request, payload);
@@ -37,22 +35,6 @@ std::optional<wire::PairAnswer> answer_in(std::span<const std::byte> datagram) {
   const auto answer = wire::decode_pair_answer(parsed->payload);
   return answer ? std::optional(*answer) : std::nullopt;
 }
-
-// Notes the access that it is asked with.
-class Noting final : public firmware::SettingsService {
- public:
-  wire::SettingsAnswer serve(const wire::SettingsRequest& /*request*/,
-                             std::span<const std::byte> /*text*/, const firmware::Requester& by,
-                             std::span<std::byte> /*answer_text*/,
-                             std::size_t& answer_bytes) noexcept override {
-    access = by.access;
-    ++served;
-    answer_bytes = 0;
-    return {};
-  }
-  firmware::Access access = firmware::Access::kRead;
-  int served = 0;
-};
 
 class PairRequestTest : public testing::Test {
  protected:
@@ -69,7 +51,7 @@ class PairRequestTest : public testing::Test {
     return answer_in(line_.take(packet(request), kStart));
   }
 
-  Noting settings_;
+  NotingSettings settings_;
   keys::Keyring ring_{nullptr, nullptr};
   keys::Authenticator authenticator_{ring_};
   keys::PairingServer pairing_{kHere, ring_, std::nullopt};
@@ -148,7 +130,7 @@ TEST_F(PairRequestTest, ALocalLineJudgesWhatAKeySignsByThatKey) {
   ASSERT_TRUE(unproven.has_value());
   EXPECT_EQ(unproven->answer.result, SettingsResult::kCookie);
   EXPECT_TRUE(signed_reply(key, line_.take(signed_settings(key, kHere, 1, asked), kStart)));
-  EXPECT_EQ(settings_.access, firmware::Access::kTune);
+  EXPECT_EQ(settings_.last.access, firmware::Access::kTune);
   EXPECT_FALSE(ring_.keys().find(3)->former.has_value());
 }
 
@@ -157,7 +139,7 @@ TEST_F(PairRequestTest, ARemoteLineTakesKeysAsTheNetworkDoes) {
   ASSERT_EQ(ring_.add(key), Status::kOk);
   // On a cable no key is asked for.
   ASSERT_TRUE(settings_reply(line_.take(settings({.request_id = 1}), kStart)).has_value());
-  EXPECT_EQ(settings_.access, firmware::Access::kAdmin);
+  EXPECT_EQ(settings_.last.access, firmware::Access::kAdmin);
 
   line_.set_remote(true);
   const auto asked = settings_reply(line_.take(settings({.request_id = 2}), kStart));
@@ -165,9 +147,9 @@ TEST_F(PairRequestTest, ARemoteLineTakesKeysAsTheNetworkDoes) {
   EXPECT_EQ(asked->answer.result, SettingsResult::kCookie);
   const wire::SettingsRequest with{.request_id = 3, .cookie = asked->answer.cookie};
   ASSERT_TRUE(settings_reply(line_.take(settings(with), kStart)).has_value());
-  EXPECT_EQ(settings_.access, firmware::Access::kRead);
+  EXPECT_EQ(settings_.last.access, firmware::Access::kRead);
   ASSERT_TRUE(signed_reply(key, line_.take(signed_settings(key, kHere, 1, with), kStart)));
-  EXPECT_EQ(settings_.access, firmware::Access::kTune);
+  EXPECT_EQ(settings_.last.access, firmware::Access::kTune);
   const auto again = signed_reply(key, line_.take(signed_settings(key, kHere, 1, with), kStart));
   ASSERT_TRUE(again.has_value());
   EXPECT_EQ(again->answer.result, SettingsResult::kStale);

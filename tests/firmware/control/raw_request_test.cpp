@@ -2,6 +2,7 @@
 
 #include "firmware/control/request_handler.h"
 #include "firmware/wire/frame/raw_packets.h"
+#include "tests/firmware/control/handler_parts.h"
 #include "tests/firmware/control/requests.h"
 #include "tests/firmware/keys/signed_requests.h"
 #include "tests/firmware/keys/some_keys.h"
@@ -17,7 +18,6 @@ using firmware::ReceiverList;
 using wire::PacketType;
 using wire::SubscribeResult;
 
-constexpr wire::Origin kHere{.device_id = 1, .session_id = 77};
 constexpr wire::RawRequest kAll{.pictures = wire::kRawPictures, .every = 3};
 
 // Who asks for raw pictures, and gets them.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/firmware/control/handler_parts.h"
 #include "tests/firmware/control/requests.h"
 
 namespace stof::test {
@@ -17,7 +18,6 @@ using wire::SettingsResult;
 using wire::SubscribeResult;
 
 constexpr std::uint32_t kDevice = 0x0a0b0c0d;
-constexpr hal::Time kStart{1'000'000s};
 
 // Answers every request with its text in capitals, or with all the room there is.
 class Echo final : public SettingsService {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/control/request_handler.h"
+#include "tests/firmware/control/handler_parts.h"
 #include "tests/firmware/control/requests.h"
 #include "tests/support/random.h"
 
@@ -14,8 +15,6 @@ using firmware::LeaseTable;
 using firmware::RequestHandler;
 using firmware::TokenBucket;
 using wire::PacketType;
-
-constexpr hal::Time kStart{1'000'000s};
 
 void fill(Bytes& bytes, Random& random) {
   for (std::byte& byte : bytes) {

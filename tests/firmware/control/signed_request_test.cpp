@@ -3,6 +3,7 @@
 #include "firmware/control/request_handler.h"
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/crc32c.h"
+#include "tests/firmware/control/handler_parts.h"
 #include "tests/firmware/keys/signed_requests.h"
 #include "tests/firmware/keys/some_keys.h"
 #include "tests/support/random.h"
@@ -17,29 +18,6 @@ using firmware::RequestHandler;
 using wire::PacketType;
 using wire::Role;
 using wire::SettingsResult;
-
-constexpr hal::Time kStart{1'000'000s};
-constexpr wire::Origin kHere{.device_id = 1, .session_id = 77};
-
-// Notes who asks, answers with the text.
-class Noting final : public firmware::SettingsService {
- public:
-  wire::SettingsAnswer serve(const wire::SettingsRequest& /*request*/,
-                             std::span<const std::byte> text, const firmware::Requester& by,
-                             std::span<std::byte> answer_text,
-                             std::size_t& answer_bytes) noexcept override {
-    ++served;
-    access = by.access;
-    // An answer that is too long is cut off.
-    answer_bytes = fill ? answer_text.size() + 5 : text.size();
-    std::ranges::copy(text.first(std::min(text.size(), answer_text.size())), answer_text.begin());
-    return {.result = SettingsResult::kOk, .revision = 9};
-  }
-
-  int served = 0;
-  bool fill = false;
-  Access access = Access::kRead;
-};
 
 class SignedRequestTest : public testing::Test {
  protected:
@@ -68,7 +46,7 @@ class SignedRequestTest : public testing::Test {
   keys::Keyring ring_{nullptr, nullptr};
   keys::Authenticator authenticator_{ring_};
   firmware::LeaseTable subscribers_;
-  Noting settings_;
+  NotingSettings settings_;
   RequestHandler handler_{kHere, CookieSecret{}, subscribers_, &settings_, &authenticator_};
 };
 
@@ -79,7 +57,7 @@ TEST_F(SignedRequestTest, IsServedWithTheRoleOfItsKeyAndTheAnswerIsSignedToo) {
   for (const auto& [key, access] : expected) {
     const auto reply = signed_reply(*key, take(request(*key, ++counter)));
     ASSERT_TRUE(reply.has_value());
-    EXPECT_EQ(settings_.access, access);
+    EXPECT_EQ(settings_.last.access, access);
     EXPECT_EQ(reply->fields.key_id, key->id);
     EXPECT_EQ(reply->fields.counter, counter);
     EXPECT_EQ(reply->fields.highest, counter);
@@ -101,15 +79,15 @@ TEST_F(SignedRequestTest, AnAnswerThatIsTooLongIsCutOff) {
 TEST_F(SignedRequestTest, WhatIsNotSignedChangesNothingOnAPairedSensor) {
   const wire::SettingsRequest plain{.request_id = 5, .cookie = cookie_};
   ASSERT_TRUE(settings_reply(take(settings(plain))).has_value());
-  EXPECT_EQ(settings_.access, Access::kRead);
+  EXPECT_EQ(settings_.last.access, Access::kRead);
   for (const wire::Key& key : {admin_, tune_, view_}) {
     ASSERT_EQ(ring_.remove(key.id), Status::kOk);
   }
   ASSERT_TRUE(settings_reply(take(settings(plain))).has_value());
-  EXPECT_EQ(settings_.access, Access::kHarmless);  // unpaired
+  EXPECT_EQ(settings_.last.access, Access::kHarmless);  // unpaired
   RequestHandler without(kHere, CookieSecret{}, subscribers_, &settings_);
   ASSERT_TRUE(settings_reply(without.take(settings(plain), robot_, now_)).has_value());
-  EXPECT_EQ(settings_.access, Access::kRead);
+  EXPECT_EQ(settings_.last.access, Access::kRead);
 }
 
 TEST_F(SignedRequestTest, ReplaysAndReordersAreRefusedAndTheSignerIsTold) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/control/request_handler.h"
+#include "tests/firmware/control/handler_parts.h"
 #include "tests/firmware/keys/signed_requests.h"
 #include "tests/firmware/keys/some_keys.h"
 
@@ -12,9 +13,6 @@ using firmware::CookieSecret;
 using firmware::LeaseTable;
 using wire::PacketType;
 using wire::SubscribeResult;
-
-constexpr hal::Time kStart{1'000'000s};
-constexpr wire::Origin kHere{.device_id = 1, .session_id = 77};
 
 // What a signed answer said.
 struct Reply {

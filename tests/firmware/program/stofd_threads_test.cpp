@@ -16,8 +16,8 @@
 namespace stof::firmware::test {
 namespace {
 
-const std::vector<std::string> kSmall{"--scene", "corridor", "--size",        "64x50",
-                                      "--pmd",   "32x24",    "--disparities", "16"};
+const std::vector<std::string> kSmallCorridor{"--scene", "corridor", "--size",        "64x50",
+                                              "--pmd",   "32x24",    "--disparities", "16"};
 
 std::vector<std::string> with(std::vector<std::string> arguments,
                               const std::vector<std::string>& more) {
@@ -54,10 +54,10 @@ TEST(StofdThreads, BadNumbersEndInOneLineAndCodeTwo) {
 TEST(StofdThreads, GreetingTellsHowManyCompute) {
   for (const auto& [asked, told] :
        {std::pair{"1", " KiB, 1 thread"}, {"2", " KiB, 2 threads"}, {"8", " KiB, 8 threads"}}) {
-    EXPECT_TRUE(greeting(with(kSmall, {"--threads", asked})).ends_with(told)) << asked;
+    EXPECT_TRUE(greeting(with(kSmallCorridor, {"--threads", asked})).ends_with(told)) << asked;
   }
   for (const auto& more : {std::vector<std::string>{}, {"--threads", "0"}}) {
-    const std::string line = greeting(with(kSmall, more));
+    const std::string line = greeting(with(kSmallCorridor, more));
     const int threads = line[line.rfind("KiB, ") + 5] - '0';
     EXPECT_GE(threads, 1) << line;
     EXPECT_LE(threads, 4) << line;
@@ -96,8 +96,8 @@ TEST(StofdThreads, FewerComputeWhereMemoryIsShort) {
 std::vector<std::byte> first_frame(const std::string& threads) {
   const Socket socket;
   // In emulated time: on a busy computer a camera misses its frame else, and depth is another one.
-  const Stofd stofd(with(
-      kSmall, {"--threads", threads, "--to", socket.destination, "--frames", "1", "--free-run"}));
+  const Stofd stofd(with(kSmallCorridor, {"--threads", threads, "--to", socket.destination,
+                                          "--frames", "1", "--free-run"}));
   std::vector<std::byte> tiles;
   int left = -1;
   while (left != 0) {

@@ -14,7 +14,7 @@ using test::Bytes;
 using wire::SettingsResult;
 using wire::UploadState;
 
-constexpr hal::Duration kPeriod = 33ms;
+constexpr hal::Duration kFramePeriod = 33ms;
 
 class UpdaterTest : public testing::Test {
  protected:
@@ -25,7 +25,7 @@ class UpdaterTest : public testing::Test {
       published_.frames += frames ? 1 : 0;
       published_.with_pair += frames ? 1 : 0;
       published_.with_pmd += frames ? 1 : 0;
-      updater.tick(now_, published_, kPeriod);
+      updater.tick(now_, published_, kFramePeriod);
     }
   }
   // What a start finds in a slot: its content, and nothing of what was there before behind it.

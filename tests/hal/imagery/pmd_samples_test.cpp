@@ -12,7 +12,7 @@ using namespace hal::emu;
 
 constexpr dsp::Hertz k20MHz{20'000'000};
 constexpr double kTurnM = dsp::kLightMetresPerSecond / (2.0 * 20e6);
-constexpr dsp::Pinhole kLens{.width = 9, .height = 5, .fx = 20, .fy = 20, .cx = 4, .cy = 2};
+constexpr dsp::Pinhole kSmallLens{.width = 9, .height = 5, .fx = 20, .fy = 20, .cx = 4, .cy = 2};
 constexpr int kX = 4;  // the pixel at the principal point
 constexpr int kY = 2;
 
@@ -26,7 +26,8 @@ PmdModel plain_model() {
   return model;
 }
 
-CleanSamples render(const Scene& scene, const PmdModel& model, const dsp::Pinhole& lens = kLens,
+CleanSamples render(const Scene& scene, const PmdModel& model,
+                    const dsp::Pinhole& lens = kSmallLens,
                     std::span<const std::int16_t> pattern = {}) {
   return render_pmd(scene, Viewpoint(scene, {}), lens, k20MHz, model, pattern);
 }
@@ -65,7 +66,7 @@ TEST(RenderPmd, WallGivesItsPhaseAmplitudeAndMean) {
 
 TEST(RenderPmd, PhaseIsRadialAndWrapsAtTheUnambiguousRange) {
   const CleanSamples clean = render(wall(2), plain_model());
-  const double x = 4 / kLens.fx;
+  const double x = 4 / kSmallLens.fx;
   const double radial = 2 * std::sqrt(1 + x * x);
   const double angle = std::atan2(quadrature(clean, kX + 4), in_phase(clean, kX + 4));
   EXPECT_NEAR(angle, 2 * std::numbers::pi * radial / kTurnM, 1e-3);
@@ -98,7 +99,7 @@ TEST(RenderPmd, OddHarmonicsBendThePhaseByTheCalibrationsTable) {
   PmdModel model = plain_model();
   model.kappa3 = 0.0497;
   model.kappa5 = 0.0111;
-  const dsp::WigglingTable table = sensor_constants(kLens, k20MHz, model).frequency.wiggling;
+  const dsp::WigglingTable table = sensor_constants(kSmallLens, k20MHz, model).frequency.wiggling;
   for (double z = 1; z < 7; z += 0.23) {
     const double truth = 2 * std::numbers::pi * z / kTurnM;
     const double measured = phase(render(wall(z), model));
@@ -135,11 +136,11 @@ TEST(RenderPmd, FixedPatternTurnsTheMeasuredPhase) {
   PmdModel model = plain_model();
   model.kappa3 = 0.0497;
   model.kappa5 = 0.0111;
-  const std::vector<std::int16_t> pattern(static_cast<std::size_t>(kLens.width * kLens.height),
-                                          900);
+  const std::vector<std::int16_t> pattern(
+      static_cast<std::size_t>(kSmallLens.width * kSmallLens.height), 900);
   for (double z = 1; z < 7; z += 0.4) {
     const double offset =
-        phase(render(wall(z), model, kLens, pattern)) - phase(render(wall(z), model));
+        phase(render(wall(z), model, kSmallLens, pattern)) - phase(render(wall(z), model));
     const double turn = 2 * std::numbers::pi;
     EXPECT_NEAR(std::remainder(offset, turn), 900 / 65536.0 * turn, 1e-3) << z;
   }
@@ -160,7 +161,7 @@ TEST(RenderPmd, StrayLightAddsItsPhasorToEveryPixel) {
   model.stray_e = 4000;
   model.stray_m = 1.5;
   const CleanSamples with = render(wall(3), model);
-  const dsp::PmdFrequency frequency = sensor_constants(kLens, k20MHz, model).frequency;
+  const dsp::PmdFrequency frequency = sensor_constants(kSmallLens, k20MHz, model).frequency;
   const double angle = 2 * std::numbers::pi * 1.5 / kTurnM;
   EXPECT_NEAR(frequency.stray_i_lsb, 2 * 4000 / model.electrons_per_lsb * std::cos(angle), 1e-6);
   EXPECT_NEAR(frequency.stray_q_lsb, 2 * 4000 / model.electrons_per_lsb * std::sin(angle), 1e-6);
@@ -191,23 +192,23 @@ TEST(SensorConstants, WhiteIsTheAmplitudeOfAWhiteWallAtAMetre) {
     model.signal_e = 150'000;
     const CleanSamples white = render(wall(1, {.albedo = 1}), model);
     const double amplitude = std::hypot(in_phase(white), quadrature(white)) / 2;
-    EXPECT_NEAR(sensor_constants(kLens, k20MHz, model).white_lsb, amplitude, 0.02) << side;
+    EXPECT_NEAR(sensor_constants(kSmallLens, k20MHz, model).white_lsb, amplitude, 0.02) << side;
   }
   PmdModel bent;  // harmonics
   bent.signal_e = 150'000;
   const CleanSamples white = render(wall(1, {.albedo = 1}), bent);
   const double amplitude = std::hypot(in_phase(white), quadrature(white)) / 2;
-  const double expected = sensor_constants(kLens, k20MHz, bent).white_lsb;
+  const double expected = sensor_constants(kSmallLens, k20MHz, bent).white_lsb;
   EXPECT_NEAR(amplitude / expected, 1, bent.kappa3 + bent.kappa5 + 0.002);
 }
 
 TEST(SensorConstants, NamesEmittersThatMatter) {
   PmdModel model = plain_model();
-  EXPECT_EQ(sensor_constants(kLens, k20MHz, model).emitter_count, 0);
+  EXPECT_EQ(sensor_constants(kSmallLens, k20MHz, model).emitter_count, 0);
   model.emitters = {{-0.03, 0, 0}, {0.03, 0, 0}};  // half a millimetre at half a metre
-  EXPECT_EQ(sensor_constants(kLens, k20MHz, model).emitter_count, 0);
+  EXPECT_EQ(sensor_constants(kSmallLens, k20MHz, model).emitter_count, 0);
   model.emitters = {{0.12, 0.01, -0.02}};
-  const dsp::PmdSensor sensor = sensor_constants(kLens, k20MHz, model);
+  const dsp::PmdSensor sensor = sensor_constants(kSmallLens, k20MHz, model);
   ASSERT_EQ(sensor.emitter_count, 1);
   const dsp::Emitter& e = sensor.emitters[0];
   EXPECT_EQ(e, (dsp::Emitter{0.12, 0.01, -0.02}));
@@ -223,10 +224,10 @@ TEST(SensorConstants, BitsAreHonoured) {
   for (int bits = 10; bits <= 15; ++bits) {
     PmdModel model = plain_model();
     model.bits = bits;
-    const int largest = sensor_constants(kLens, k20MHz, model).saturation_lsb;
+    const int largest = sensor_constants(kSmallLens, k20MHz, model).saturation_lsb;
     EXPECT_EQ(largest, (1 << bits) - 1);
     const CleanSamples clean = render(wall(0.1), model);
-    dataset::Image<std::uint16_t> out(kLens.width, kLens.height);
+    dataset::Image<std::uint16_t> out(kSmallLens.width, kSmallLens.height);
     expose_pmd(clean, 0, largest, 3, out.view());
     EXPECT_EQ(out.view().at(kX, kY), largest);
   }
@@ -236,7 +237,7 @@ TEST(ExposePmd, NearWhiteSurfacesSaturate) {
   PmdModel model = plain_model();
   const CleanSamples clean = render(wall(0.4), model);
   for (int k = 0; k < 4; ++k) {
-    dataset::Image<std::uint16_t> out(kLens.width, kLens.height);
+    dataset::Image<std::uint16_t> out(kSmallLens.width, kSmallLens.height);
     expose_pmd(clean, k, 4095, 3, out.view());
     EXPECT_EQ(out.view().at(kX, kY), 4095) << k;
   }

@@ -28,7 +28,9 @@ using hal::linux::UdpPort;
 constexpr std::size_t kStreams = hal::DatagramPort::kStreams;
 const std::array<std::byte, 1232> kDatagram{};
 
-Peer local(std::uint16_t port) { return {.address = hal::from_ipv4(127, 0, 0, 1), .port = port}; }
+Peer loopback(std::uint16_t port) {
+  return {.address = hal::from_ipv4(127, 0, 0, 1), .port = port};
+}
 
 Status stream_one(UdpPort& port, std::size_t which, const Peer& to) {
   const std::span<const std::byte> one(kDatagram);
@@ -74,7 +76,7 @@ TEST(StreamSockets, EveryRequestArrivesWhoeverSendsIt) {
   for (int i = 0; i < kSenders; ++i) {
     const auto sender = UdpPort::open({.ipv4_only = i % 2 == 0});
     ASSERT_TRUE(sender);
-    EXPECT_EQ(stream_one(**sender, 0, local(sensor->port())), Status::kOk);
+    EXPECT_EQ(stream_one(**sender, 0, loopback(sensor->port())), Status::kOk);
   }
   EXPECT_EQ(arrived(*sensor), kSenders);
 }
@@ -84,11 +86,11 @@ TEST(StreamSockets, EachSendsFromTheNumberOfThePort) {
   const auto robot = UdpPort::open({});
   ASSERT_TRUE(sensor && robot);
   for (std::size_t which = 0; which <= kStreams; ++which) {  // there is none for the last
-    EXPECT_EQ(stream_one(*sensor, which, local((*robot)->port())), Status::kOk);
+    EXPECT_EQ(stream_one(*sensor, which, loopback((*robot)->port())), Status::kOk);
     std::array<std::byte, 2000> space;
     const auto received = (*robot)->receive(space, 60s);
     ASSERT_TRUE(received);
-    EXPECT_EQ(received->from, local(sensor->port()));
+    EXPECT_EQ(received->from, loopback(sensor->port()));
     EXPECT_EQ(received->bytes, kDatagram.size());
   }
 }
@@ -111,7 +113,7 @@ TEST(StreamSockets, RequestsArriveWhereThereIsOnlyIpv4) {
   const auto robot = UdpPort::open({});
   ASSERT_TRUE(sensor && robot);
   for (int i = 0; i < 10; ++i) {
-    EXPECT_EQ(stream_one(**robot, 0, local((*sensor)->port())), Status::kOk);
+    EXPECT_EQ(stream_one(**robot, 0, loopback((*sensor)->port())), Status::kOk);
   }
   EXPECT_EQ(arrived(**sensor), 10);
 }
@@ -142,7 +144,7 @@ int arrive_beside_silence(bool streams) {
     return kSkipped;
   }
   for (int i = 0; i < 10; ++i) {
-    static_cast<void>(stream_one(**sensor, 0, local((*robot)->port())));
+    static_cast<void>(stream_one(**sensor, 0, loopback((*robot)->port())));
   }
   return arrived(**robot);
 }

@@ -15,7 +15,6 @@ namespace stof::test {
 namespace {
 
 using namespace hal::emu;
-using dataset::Surface;
 
 std::vector<FloorView> all_views() {
   std::vector<FloorView> out;
@@ -31,12 +30,13 @@ std::string name(const FloorView& view) {
   return std::to_string(view.height_m) + " m, " + std::to_string(view.tilt_degrees) + " degrees";
 }
 
-dataset::Image<Surface> surfaces(const FloorScene& floor, const Rig& rig) {
+dataset::Image<dataset::Surface> surfaces(const FloorScene& floor, const Rig& rig) {
   const dataset::Image<int> objects =
       render_objects({floor.scene, rig.left_camera_pose}, LensRays(rig.stereo.left));
-  dataset::Image<Surface> out(objects.width, objects.height);
+  dataset::Image<dataset::Surface> out(objects.width, objects.height);
   std::ranges::transform(objects.pixels, out.pixels.begin(), [&](int object) {
-    return object < 0 ? Surface::kOther : floor.surfaces.at(static_cast<std::size_t>(object));
+    return object < 0 ? dataset::Surface::kOther
+                      : floor.surfaces.at(static_cast<std::size_t>(object));
   });
   return out;
 }
@@ -54,7 +54,7 @@ TEST(Floor, DepthIsThatOfItsPlanesByFormula) {
   for (const FloorView& view : all_views()) {
     const FloorScene floor = floor_scene(view);
     const Rig rig = small(floor.rig);
-    const dataset::Image<Surface> surface = surfaces(floor, rig);
+    const dataset::Image<dataset::Surface> surface = surfaces(floor, rig);
     const RenderedScene rendered(floor.scene, rig);
     const double tilt = view.tilt_degrees * std::numbers::pi / 180;
     const double wall = floor.scene.objects.back().pose.position.z;
@@ -66,20 +66,20 @@ TEST(Floor, DepthIsThatOfItsPlanesByFormula) {
         const double depth = static_cast<double>(rendered.depth().view().at(x, y));
         const double tolerance = 1e-6 * depth;  // a float's
         switch (surface.view().at(x, y)) {
-          case Surface::kFloor:
+          case dataset::Surface::kFloor:
             ASSERT_NEAR(depth, formula.level(view.height_m), tolerance) << name(view);
             break;
-          case Surface::kLowerFloor:
+          case dataset::Surface::kLowerFloor:
             ASSERT_NEAR(depth, formula.level(view.height_m + 0.1), tolerance) << name(view);
             break;
-          case Surface::kWall:
+          case dataset::Surface::kWall:
             ASSERT_NEAR(depth, formula.upright(wall), tolerance) << name(view);
             break;
-          case Surface::kBox:
-          case Surface::kGlass:
+          case dataset::Surface::kBox:
+          case dataset::Surface::kGlass:
             ASSERT_LT(depth, formula.upright(4)) << name(view);
             break;
-          case Surface::kOther:
+          case dataset::Surface::kOther:
             FAIL() << name(view) << ": nothing at " << x << " " << y;
         }
       }
@@ -99,10 +99,11 @@ TEST(Floor, CameraIsWhereItsNameSays) {
 TEST(Floor, ShowsEverySurfaceInEveryView) {
   for (const FloorView& view : all_views()) {
     const FloorScene floor = floor_scene(view);
-    const dataset::Image<Surface> surface = surfaces(floor, small(floor.rig));
+    const dataset::Image<dataset::Surface> surface = surfaces(floor, small(floor.rig));
     const double pixels = static_cast<double>(surface.pixels.size());
-    for (const Surface each :
-         {Surface::kFloor, Surface::kLowerFloor, Surface::kBox, Surface::kGlass, Surface::kWall}) {
+    for (const dataset::Surface each :
+         {dataset::Surface::kFloor, dataset::Surface::kLowerFloor, dataset::Surface::kBox,
+          dataset::Surface::kGlass, dataset::Surface::kWall}) {
       EXPECT_GT(static_cast<double>(std::ranges::count(surface.pixels, each)), 0.01 * pixels)
           << name(view) << ", surface " << static_cast<int>(each);
     }
@@ -132,7 +133,7 @@ TEST(Floor, HasATextureOfAFewGreyLevels) {
   for (const FloorView& view : {FloorView{.height_m = kMinFloorHeightM, .tilt_degrees = 30},
                                 FloorView{}, FloorView{.height_m = kMaxFloorHeightM}}) {
     const FloorScene floor = floor_scene(view);
-    const dataset::Image<Surface> surface = surfaces(floor, floor.rig);
+    const dataset::Image<dataset::Surface> surface = surfaces(floor, floor.rig);
     const dataset::Image<std::uint16_t> left =
         render_grey(floor.scene, {floor.scene, floor.rig.left_camera_pose},
                     LensRays(floor.rig.stereo.left), floor.rig.grey);
@@ -149,7 +150,7 @@ TEST(Floor, HasATextureOfAFewGreyLevels) {
           const double level = left.view().at(u, v) / static_cast<double>(1 << kGreyBits);
           total += level;
           squares += level * level;
-          floor_alone = floor_alone && surface.view().at(u, v) == Surface::kFloor;
+          floor_alone = floor_alone && surface.view().at(u, v) == dataset::Surface::kFloor;
         }
         if (floor_alone) {
           const double mean = total / (kWindow * kWindow);
@@ -174,7 +175,7 @@ TEST(Floor, GlassIsSomethingElseForEachSensor) {
   const CleanViews views = sensors.render(floor.scene);
   const auto is_glass = [&](const Hit& hit) {
     return hit.object >= 0 &&
-           floor.surfaces[static_cast<std::size_t>(hit.object)] == Surface::kGlass;
+           floor.surfaces[static_cast<std::size_t>(hit.object)] == dataset::Surface::kGlass;
   };
   int seen = 0;
   int apart = 0;

@@ -1,23 +1,24 @@
 #include "host/evaluate/fusion/depth_score.h"
 
 #include <array>
-#include <limits>
 
 #include <gtest/gtest.h>
+
+#include "tests/support/no_value.h"
 
 namespace stof::host {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::infinity();
+using test::kNone;
 
-struct Pixel {
+struct DepthPixel {
   float truth;
   float depth;
   float low;
   float high;
 };
 
-DepthScore score_of(const std::vector<Pixel>& pixels) {
+DepthScore score_of(const std::vector<DepthPixel>& pixels) {
   const int width = static_cast<int>(pixels.size());
   DepthPlanes planes{.depth = {width, 1}, .low = {width, 1}, .high = {width, 1}};
   dataset::Image<float> truth(width, 1);
@@ -49,7 +50,7 @@ TEST(DepthScore, AnswersAMapWorkedOutByHand) {
 }
 
 TEST(DepthScore, CountsHitsInEachQuarterOfTheWidths) {
-  std::vector<Pixel> pixels;
+  std::vector<DepthPixel> pixels;
   for (const float width : {0.5F, 0.25F, 0.125F, 0.0625F}) {
     pixels.push_back({2, 2, 2 - width / 2, 2 + width / 2});  // a hit
     const bool also_hit = width == 0.125F;

@@ -3,17 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <limits>
 
 #include <gtest/gtest.h>
+
+#include "tests/support/no_value.h"
 
 namespace stof::host {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::infinity();
+using test::kNone;
 
 // One row: truth, mask and result of each pixel.
-struct Pixel {
+struct DisparityPixel {
   float truth;
   std::uint8_t visible;
   float disparity;
@@ -23,7 +24,8 @@ struct Row {
   dataset::StereoScene scene;
   dataset::Image<float> disparity;
 
-  explicit Row(const std::vector<Pixel>& pixels) : disparity(static_cast<int>(pixels.size()), 1) {
+  explicit Row(const std::vector<DisparityPixel>& pixels)
+      : disparity(static_cast<int>(pixels.size()), 1) {
     const int width = disparity.width;
     scene.left = {width, 1};
     scene.right = {width, 1};
@@ -118,7 +120,7 @@ TEST(ToPixels, KeepsSixteenthsAndTurnsNoneIntoInfinity) {
 }
 
 TEST(DisparityScore, CountsSeenPixelsWithinNineOfAStepOfMoreThanTwo) {
-  std::vector<Pixel> pixels(40, {4, 255, 4});
+  std::vector<DisparityPixel> pixels(40, {4, 255, 4});
   for (std::size_t x = 20; x < 40; ++x) {
     pixels[x] = {6.5F, 255, 6.5F};  // the step lies between columns 19 and 20
   }

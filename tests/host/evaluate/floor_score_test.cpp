@@ -1,19 +1,18 @@
 #include "host/evaluate/floor/floor_score.h"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "host/evaluate/floor/floor_case.h"
+#include "tests/support/no_value.h"
 
 namespace stof::host {
 namespace {
 
 using dataset::Surface;
-
-constexpr float kNone = std::numeric_limits<float>::infinity();
+using test::kNone;
 
 // One column of a camera 1 m above a floor that looks straight ahead: its rows see the floor at 5,
 // 3.3, 2.5, 2 and 1.7 m.

@@ -1,16 +1,16 @@
 #include "host/evaluate/sequence/sequence_score.h"
 
-#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tests/support/no_value.h"
 
 namespace stof::test {
 namespace {
 
 using namespace host;
-
-constexpr float kNone = std::numeric_limits<float>::infinity();
+using test::kNone;
 
 // Frames of a few pixels; depths and truths frame after frame.
 SequenceScore score(const std::vector<std::vector<float>>& depths,

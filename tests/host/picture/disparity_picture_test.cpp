@@ -1,15 +1,16 @@
 #include "host/picture/disparity_picture.h"
 
 #include <cmath>
-#include <limits>
 #include <set>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/no_value.h"
+
 namespace stof::host {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::infinity();
+using test::kNone;
 
 TEST(DisparityScale, IsWarmWhereNearAndClampsOutside) {
   const DisparityScale scale{.far_px = 5, .near_px = 55};

@@ -1,16 +1,16 @@
 #include "host/picture/height_field.h"
 
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 
 #include "host/picture/rasteriser.h"
+#include "tests/support/no_value.h"
 
 namespace stof::host {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::infinity();
+using test::kNone;
 
 // Pixels clearly brighter than plate and background, which are what a white texture becomes.
 int bright(const dataset::Image<Rgb>& picture) {

@@ -8,7 +8,7 @@
 namespace stof::viewer {
 namespace {
 
-const AccessRules kLocal{.host_name = "robot"};
+const AccessRules kLocalRules{.host_name = "robot"};
 const AccessRules kLan{.host_name = "robot", .token = "0123456789abcdef", .any_address = true};
 
 Access of_host(const AccessRules& rules, std::string_view host) {
@@ -18,7 +18,7 @@ Access of_host(const AccessRules& rules, std::string_view host) {
 TEST(WebAccessTest, TakesThisMachineByAnyOfItsNamesWithAnyPort) {
   for (const char* host :
        {"localhost", "LocalHost:7570", "127.0.0.1", "127.0.0.1:1", "[::1]", "[::1]:65535"}) {
-    EXPECT_EQ(of_host(kLocal, host), Access::kGranted) << host;
+    EXPECT_EQ(of_host(kLocalRules, host), Access::kGranted) << host;
     EXPECT_EQ(of_host(kLan, host), Access::kGranted) << host;
   }
 }
@@ -45,24 +45,24 @@ TEST(WebAccessTest, RefusesNamesThatANameServerCouldAnswerFor) {
                            "robot.evil",
                            "127.0.0.1 ",
                            " "}) {
-    EXPECT_EQ(of_host(kLocal, host), Access::kForeignHost) << host;
+    EXPECT_EQ(of_host(kLocalRules, host), Access::kForeignHost) << host;
     EXPECT_EQ(of_host(kLan, host), Access::kForeignHost) << host;
   }
   EXPECT_EQ(of_host(kLan, std::string(100'000, '1')), Access::kForeignHost);
-  EXPECT_EQ(of_host(kLocal, ""), Access::kNoHost);
+  EXPECT_EQ(of_host(kLocalRules, ""), Access::kNoHost);
 }
 
 TEST(WebAccessTest, TakesOtherAddressesOnlyWhereOthersMayLook) {
   for (const char* host :
        {"192.168.1.20", "10.0.0.1:7570", "[fe80::1]:7570", "robot", "ROBOT.local:80"}) {
-    EXPECT_EQ(of_host(kLocal, host), Access::kForeignHost) << host;
+    EXPECT_EQ(of_host(kLocalRules, host), Access::kForeignHost) << host;
     EXPECT_EQ(of_host(kLan, host), Access::kGranted) << host;
   }
 }
 
 TEST(WebAccessTest, RefusesPagesOfOtherOrigins) {
   const auto from = [](std::string_view origin) {
-    return judge(kLocal, {.host = "localhost:7570", .origin = origin});
+    return judge(kLocalRules, {.host = "localhost:7570", .origin = origin});
   };
   EXPECT_EQ(from("http://localhost:7570"), Access::kGranted);
   EXPECT_EQ(from(""), Access::kGranted);
@@ -75,13 +75,13 @@ TEST(WebAccessTest, RefusesPagesOfOtherOrigins) {
 }
 
 TEST(WebAccessTest, AFoxgloveOfANamedOriginMayLookByItsProtocolAlone) {
-  AccessRules rules = kLocal;
+  AccessRules rules = kLocalRules;
   rules.foxglove_origins = {"https://app.foxglove.dev"};
   WebRequest request{.host = "localhost:7570", .origin = "https://app.foxglove.dev"};
   EXPECT_EQ(judge(rules, request), Access::kForeignPage);
   request.foxglove = true;
   EXPECT_EQ(judge(rules, request), Access::kGranted);
-  EXPECT_EQ(judge(kLocal, request), Access::kForeignPage);
+  EXPECT_EQ(judge(kLocalRules, request), Access::kForeignPage);
   for (const char* origin : {"http://app.foxglove.dev", "https://app.foxglove.dev:444",
                              "https://app.foxglove.dev.evil.example", "null"}) {
     request.origin = origin;

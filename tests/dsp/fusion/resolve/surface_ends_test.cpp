@@ -10,8 +10,8 @@
 namespace stof::dsp {
 namespace {
 
-constexpr int kWidth = 40;
-constexpr int kHeight = 32;
+constexpr int kColumns = 40;
+constexpr int kRows = 32;
 constexpr int kX = 20;
 constexpr int kY = 16;
 constexpr int kRaw = 160;
@@ -21,14 +21,14 @@ constexpr int kMost = 12;
 class Views {
  public:
   MatchedView view() { return {disparity(), picture()}; }
-  ImageView<Disparity> disparity() { return {matches_.data(), kWidth, kHeight, kWidth + 3}; }
-  ImageView<std::uint8_t> picture() { return {greys_.data(), kWidth, kHeight, kWidth + 5}; }
+  ImageView<Disparity> disparity() { return {matches_.data(), kColumns, kRows, kColumns + 3}; }
+  ImageView<std::uint8_t> picture() { return {greys_.data(), kColumns, kRows, kColumns + 5}; }
   int beyond(int x = kX, int y = kY) { return beyond_edge(view(), {x, y, kRaw, kMost}); }
 
  private:
   std::vector<Disparity> matches_ =
-      std::vector<Disparity>((kWidth + 3) * kHeight, Disparity::from_raw(kRaw));
-  std::vector<std::uint8_t> greys_ = std::vector<std::uint8_t>((kWidth + 5) * kHeight, 100);
+      std::vector<Disparity>((kColumns + 3) * kRows, Disparity::from_raw(kRaw));
+  std::vector<std::uint8_t> greys_ = std::vector<std::uint8_t>((kColumns + 5) * kRows, 100);
 };
 
 TEST(Log2, IsExactAtPowersOfTwoAndStraightBetween) {
@@ -89,8 +89,8 @@ TEST(BeyondEdge, EachSideIsAskedAndTheWorstCounts) {
 TEST(BeyondEdge, TheBorderOfThePictureIsNoEnd) {
   Views views;
   std::ranges::fill(views.disparity().row(0).first(4), Disparity::none());
-  for (const int x : {0, 5, kWidth - 1}) {
-    for (const int y : {0, kHeight - 1}) {
+  for (const int x : {0, 5, kColumns - 1}) {
+    for (const int y : {0, kRows - 1}) {
       EXPECT_EQ(views.beyond(x, y), 0) << x << ' ' << y;
     }
   }

@@ -7,7 +7,7 @@
 namespace stof::dsp {
 namespace {
 
-constexpr int kRange = 29979;  // 20 MHz, quarter mm
+constexpr int kRangeOfTurn = 29979;  // 20 MHz, quarter mm
 
 // One reading, frame after frame.
 class Reading1 {
@@ -15,7 +15,7 @@ class Reading1 {
   Reading1()
       : maps_([](Arena& arena) { return WrapMaps(1, 1, arena); }),
         memory_([](Arena& arena) { return WrapMemory(1, arena); }) {
-    maps_->range = kRange;
+    maps_->range = kRangeOfTurn;
     maps_->wrap_counts = 3;
     maps_->mixed[0] = 0;
     allow(0b111);

@@ -12,8 +12,8 @@
 namespace stof::dsp {
 namespace {
 
-constexpr int kWidth = 80;
-constexpr int kHeight = 64;
+constexpr int kColumns = 80;
+constexpr int kRows = 64;
 constexpr double kDistance = 2.7;
 constexpr double kLight = 1500;
 constexpr double kAmplitude = 500;
@@ -21,7 +21,7 @@ constexpr int kTruth = static_cast<int>(kDistance * kQuarterMmPerMetre);
 
 PmdSensor sensor() {
   PmdSensor sensor;
-  sensor.lens = {.width = kWidth, .height = kHeight, .fx = 90, .fy = 90, .cx = 39.5, .cy = 31.5};
+  sensor.lens = {.width = kColumns, .height = kRows, .fx = 90, .fy = 90, .cx = 39.5, .cy = 31.5};
   sensor.dark_lsb = 100;
   sensor.electrons_per_lsb = 61;
   sensor.noise_lsb = 5;
@@ -29,12 +29,12 @@ PmdSensor sensor() {
 }
 
 // A wall whose brightness changes by `change` LSB from sample to sample, left of column `until`.
-Planes wall(double change, int until = kWidth) {
-  Planes planes(kWidth, kHeight);
+Planes wall(double change, int until = kColumns) {
+  Planes planes(kColumns, kRows);
   planes.show_everywhere(kDistance, kLight, kAmplitude);
   for (std::size_t k = 0; k < 4; ++k) {
     for (std::size_t i = 0; i < planes.planes[k].size(); ++i) {
-      const bool moves = static_cast<int>(i) % kWidth < until;
+      const bool moves = static_cast<int>(i) % kColumns < until;
       const double more = moves ? std::round(change * (static_cast<double>(k) - 1.5)) : 0;
       planes.planes[k][i] = static_cast<std::uint16_t>(planes.planes[k][i] + more);
     }
@@ -64,8 +64,8 @@ TEST(MotionCorrection, ReadsAWallWhoseBrightnessChangesBetweenTheSamples) {
     const Planes planes = wall(change);
     const PmdMaps& maps = rig.converter().convert(planes.samples());
     EXPECT_TRUE(maps.moved);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
+    for (int y = 0; y < kRows; ++y) {
+      for (int x = 0; x < kColumns; ++x) {
         ASSERT_EQ(maps.flags.at(x, y) & kPmdMissing, 0);
         // One sigma of the uneven sums stays: 0.1 m of some 0.3.
         ASSERT_NEAR(maps.distance.at(x, y), kTruth, 500);
@@ -108,7 +108,7 @@ TEST(MotionCorrection, FarFromWhatMovesNoBitChanges) {
   add_noise(moving, 4);
   for (std::size_t k = 0; k < 4; ++k) {  // noise depends on the brightness
     for (std::size_t i = 0; i < still.planes[k].size(); ++i) {
-      if (static_cast<int>(i) % kWidth >= 16) {
+      if (static_cast<int>(i) % kColumns >= 16) {
         moving.planes[k][i] = still.planes[k][i];
       }
     }
@@ -120,8 +120,8 @@ TEST(MotionCorrection, FarFromWhatMovesNoBitChanges) {
   EXPECT_FALSE(a.moved);
   EXPECT_TRUE(b.moved);
   int changed = 0;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
+  for (int y = 0; y < kRows; ++y) {
+    for (int x = 0; x < kColumns; ++x) {
       const bool same =
           a.phase.at(x, y) == b.phase.at(x, y) && a.sigma.at(x, y) == b.sigma.at(x, y);
       EXPECT_TRUE(same || x < 32) << x << ", " << y;  // the next cell is near
@@ -141,7 +141,7 @@ TEST(MotionCorrection, DoesNotOutlastItsFrame) {
   const PmdMaps& a = fresh.converter().convert(still.samples());
   const PmdMaps& b = used.converter().convert(still.samples());
   EXPECT_FALSE(b.moved);
-  for (int y = 0; y < kHeight; ++y) {
+  for (int y = 0; y < kRows; ++y) {
     EXPECT_TRUE(std::ranges::equal(a.distance.row(y), b.distance.row(y)));
     EXPECT_TRUE(std::ranges::equal(a.low.row(y), b.low.row(y)));
   }
@@ -149,7 +149,7 @@ TEST(MotionCorrection, DoesNotOutlastItsFrame) {
 
 TEST(MotionCorrection, SaturatedSamplesStaySaturated) {
   Planes planes = wall(60);
-  planes.planes[2][5 * kWidth + 7] = 4095;
+  planes.planes[2][5 * kColumns + 7] = 4095;
   ConverterRig rig(sensor());
   const PmdMaps& maps = rig.converter().convert(planes.samples());
   EXPECT_TRUE(maps.moved);

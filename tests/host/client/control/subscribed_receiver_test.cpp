@@ -21,7 +21,7 @@ using test::datagrams;
 using test::frame_spec;
 using test::Sensor;
 
-Receiver open(const Sensor& sensor, ReceiverOptions options = {}) {
+Receiver subscribed(const Sensor& sensor, ReceiverOptions options = {}) {
   options.sensor = "127.0.0.1:" + std::to_string(sensor.number());
   options.reassembler.max_age = 600s;  // whatever else this computer does
   options.reassembler.frame_timeout = 600s;
@@ -53,7 +53,7 @@ void send_frame(Sensor& sensor, std::uint32_t number, std::uint32_t session = 1)
 TEST(SubscribedReceiver, SubscribesReceivesAndLeaves) {
   Sensor sensor;
   {
-    Receiver receiver = open(sensor);
+    Receiver receiver = subscribed(sensor);
     EXPECT_EQ(receiver.subscription(), Subscription::State::kAsking);
     ASSERT_TRUE(until(receiver, [&] { return sensor.list().count == 1; }));
     ASSERT_TRUE(
@@ -74,7 +74,7 @@ TEST(SubscribedReceiver, SubscribesReceivesAndLeaves) {
 TEST(SubscribedReceiver, ComesBackWhenTheSensorStartsAnew) {
   auto sensor = std::make_unique<Sensor>();
   const std::uint16_t number = sensor->number();
-  Receiver receiver = open(*sensor);
+  Receiver receiver = subscribed(*sensor);
   ASSERT_TRUE(until(receiver, [&] { return sensor->list().count == 1; }));
   sensor.reset();
   static_cast<void>(receiver.next(50ms));
@@ -87,7 +87,7 @@ TEST(SubscribedReceiver, ComesBackWhenTheSensorStartsAnew) {
 // A stranger who knows the sensor's number and does not see what is asked.
 TEST(SubscribedReceiver, BelievesNoSessionThatNoAnswerNamed) {
   Sensor sensor;
-  Receiver receiver = open(sensor);
+  Receiver receiver = subscribed(sensor);
   ASSERT_TRUE(
       until(receiver, [&] { return receiver.subscription() == Subscription::State::kActive; }));
   send_frame(sensor, 1, 77);
@@ -112,10 +112,10 @@ TEST(SubscribedReceiver, TheFourthOfAHostKnowsWhyNothingComes) {
   Sensor sensor;
   std::vector<Receiver> receivers;
   for (std::size_t i = 0; i < 3; ++i) {
-    receivers.push_back(open(sensor));
+    receivers.push_back(subscribed(sensor));
     ASSERT_TRUE(until(receivers.back(), [&] { return sensor.list().count == i + 1; }));
   }
-  Receiver fourth = open(sensor);
+  Receiver fourth = subscribed(sensor);
   EXPECT_TRUE(until(fourth, [&] { return fourth.subscription() == Subscription::State::kFull; }));
   EXPECT_EQ(sensor.list().count, 3U);
   EXPECT_FALSE(fourth.link().forged_traffic);
@@ -141,7 +141,7 @@ TEST(SubscribedReceiver, ASlowCallerKeepsItsLease) {
     GTEST_SKIP() << "takes 20 s: set STOF_LONG=1";
   }
   Sensor sensor;
-  Receiver receiver = open(sensor);
+  Receiver receiver = subscribed(sensor);
   ASSERT_TRUE(
       until(receiver, [&] { return receiver.subscription() == Subscription::State::kActive; }));
   ASSERT_TRUE(sensor.reaches(1));
@@ -159,7 +159,7 @@ TEST(SubscribedReceiver, OfSignedStreamsSaysThatNoKeyIsKnown) {
   wire::Key key = test::numbered_key(4, wire::Role::kView);
   key.device = Sensor::kDevice;
   ASSERT_EQ(options.subscription.keys.add(key), Status::kOk);
-  Receiver receiver = open(sensor, options);
+  Receiver receiver = subscribed(sensor, options);
   EXPECT_FALSE(receiver.link().no_key);
   EXPECT_TRUE(until(receiver, [&] { return receiver.link().no_key; }));
   EXPECT_EQ(receiver.subscription(), Subscription::State::kNoKey);
@@ -180,7 +180,7 @@ TEST(SubscribedReceiver, SaysThatNobodyListens) {
 TEST(SubscribedReceiver, HearsItsSensorAlone) {
   Sensor sensor;
   Sensor stranger;
-  Receiver receiver = open(sensor);
+  Receiver receiver = subscribed(sensor);
   ASSERT_TRUE(until(receiver, [&] { return sensor.list().count == 1; }));
   for (const test::Datagram& datagram : datagrams(frame_spec(1))) {
     const std::span<const std::byte> bytes = datagram;
