@@ -402,6 +402,7 @@ def run(chosen, worker):
     prepared = {name: worker.submit(prepare, name) for name in chosen if STEPS[name].prepare}
     total = Count()
     failures = []  # once more at the end, where people and excerpts of long runs look
+    times = []
     for name in chosen:
         log = logs[name]
         begin = time.monotonic()
@@ -409,6 +410,7 @@ def run(chosen, worker):
         waited = time.monotonic() - begin
         count = STEPS[name].judge(log, ready)
         total.add(count)
+        times.append(f"{name} {time.monotonic() - begin:.0f}")
         print(f"{name:<13} {time.monotonic() - begin:6.1f} s  {count}" + (
             f", {waited:.1f} s of it until it was built" if name in prepared else ""), flush=True)
         for note in count.notes + skip_lines(count.skips):
@@ -418,6 +420,7 @@ def run(chosen, worker):
             print(f"{said}\n    (all of it in {log.path.relative_to(ROOT)})", flush=True)
             failed = [note for note in count.notes if not note.startswith("figure: ")]
             failures += [f"{name}: {note}" for note in failed or ["failed"]] + said.splitlines()[-CASE_LINES:]
+    print(f"seconds: {', '.join(times)}")
     if total.skipped:
         print(f"{total.skipped} skipped, each with its reason above")
     if failures:

@@ -16,6 +16,8 @@
 namespace stof::host {
 namespace {
 
+constexpr double kAnswerS = 0.3;
+
 // Of --signed.
 client::Meant signer_of(const ReceiveOptions& options) {
   const std::string file = keys_file(options.keys);
@@ -32,6 +34,11 @@ client::SubscriptionOptions subscription(ReceiveOptions& options, const wire::Ra
     terms.keys = meant.keys;
     terms.reread = client::rereading(options.keys);
     options.device = meant.device;
+    if (meant.keys.count() != 0) {  // else the subscription says what is missing
+      client::ControlOptions control = timing(kAnswerS);
+      control.device_id = meant.device ? meant.device : found_device(options.sensor);
+      check_called(options.sensor, control, meant.keys);
+    }
   }
   return terms;
 }
@@ -56,7 +63,6 @@ client::Receiver open_receiver(ReceiveOptions& options, const wire::RawRequest& 
 }
 
 client::ControlOptions reading_control(const ReceiveOptions& options) {
-  constexpr double kAnswerS = 0.3;
   client::ControlOptions control = timing(kAnswerS);
   control.signed_alone = options.signed_streams;
   control.device_id = options.device ? options.device : found_device(options.sensor);

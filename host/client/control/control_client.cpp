@@ -251,7 +251,11 @@ std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::a
   const Time begin = Time::clock::now();
   const Time deadline = std::min(begin + options_.timeout, std::max(begin, deadline_));
   // Whoever hears the request may refuse it: the sensor's own answer may come behind that.
-  const bool anybody = sealed && transport_->reach() == Reach::kLink;
+  const auto proves = [&](const Part& part) {
+    return !sealed || part.is_signed || transport_->reach() == Reach::kLine ||
+           (transport_->reach() == Reach::kAddress &&
+            part.answer.result != wire::SettingsResult::kUnknownKey);
+  };
   std::optional<Part> refusal;
   for (int behind = 0;;) {
     const Result<std::vector<std::byte>> bytes = receive_until(*transport_, deadline, behind);
@@ -266,7 +270,7 @@ std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::a
       continue;  // nobody listens yet
     }
     std::optional<Part> part = read_answer(*bytes, request_id, sealed);
-    if (part && (!anybody || part->is_signed)) {
+    if (part && proves(*part)) {
       offered_.clear();
       return part;
     }

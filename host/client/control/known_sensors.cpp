@@ -174,7 +174,8 @@ std::string doubt_of(const wire::KeyTable& keys, const Sensors& known,
              ? ""
              : "your keys are of several sensors with number " + std::to_string(twice->first) +
                    " (keys " + joined(twice->second) +
-                   "), and none of them was proven under this name or address: name the one that is meant";
+                   "), and none of them was proven under this name or address: name the one that "
+                   "is meant";
 }
 
 std::expected<Meant, OpenError> meant_by_key(const std::string& key_file,

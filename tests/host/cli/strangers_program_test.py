@@ -201,7 +201,8 @@ class Strangers(Address):
         stranger = self.proxy(header, announce)
         self.until(lambda: "rear" in self.stof("discover", "--json").stdout)
         for words in (("config", "rear", "set", "name=other"), ("address", "rear", "192.168.1.51/24"), ("unpair", "rear"), ("pair", "rear", "--renew"),
-                      ("pair", "rear", "--code", CODE, "--again", "--keys", self.folder / "others")):
+                      ("pair", "rear", "--code", CODE, "--again", "--keys", self.folder / "others"), ("info", "rear", "--signed"),
+                      ("view", "rear", "--signed", "--frames", "1")):
             ended = self.stof(*words)
             self.assertEqual((ended.returncode, ended.stdout), (2, ""), ended.stderr)
             self.assertRegex(ended.stderr, "whoever answers as this sensor is called '|is announced with the names|where sensor 00000023|does not exist")

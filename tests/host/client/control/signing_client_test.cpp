@@ -309,10 +309,12 @@ Bytes forged(std::uint32_t request_id, SettingsResult result, std::uint64_t cook
   return test::sealed(wire::PacketType::kSettingsAnswer, payload, kDevice, 7);
 }
 
-TEST(SigningClient, ByBroadcastNobodyElseEndsARequest) {
+class WhoAnswersFirst : public testing::TestWithParam<Reach> {};
+
+TEST_P(WhoAnswersFirst, EndsNoRequest) {
   for (const SettingsResult lie : {SettingsResult::kUnknownKey, SettingsResult::kCookie}) {
     SigningSensor sensor;
-    sensor.reach = Reach::kLink;
+    sensor.reach = GetParam();
     ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
     ControlClient client = client_of(sensor, {numbered_key(4)});
     ASSERT_TRUE(set(client));
@@ -330,6 +332,9 @@ TEST(SigningClient, ByBroadcastNobodyElseEndsARequest) {
     EXPECT_EQ(answer->result, SettingsResult::kOk);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(SigningClient, WhoAnswersFirst,
+                         testing::Values(Reach::kLink, Reach::kAddress));
 
 TEST(SigningClient, ByBroadcastARefusalWithoutASignatureSaysThatItProvesNothing) {
   SigningSensor sensor;
