@@ -177,10 +177,8 @@ def put_record(path, record):
 
 
 def assemble(path, images):
-    """The whole disk of partitions' images, {Partition: file}; what is empty takes no space. It stands under its name
-    when it is whole."""
-    part_file = path.with_name(path.name + ".part")
-    with open(part_file, "wb") as disk:
+    """The whole disk of partitions' images, {Partition: file}; what is empty takes no space."""
+    with open(path, "wb") as disk:
         disk.write(mbr())
         for part, image in images.items():
             disk.seek(part.begin)
@@ -191,11 +189,10 @@ def assemble(path, images):
                     else:
                         disk.seek(len(block), os.SEEK_CUR)
         disk.truncate(SIZE)
-    with open(part_file, "r+b") as disk:
+    with open(path, "r+b") as disk:
         sector = seal(disk.read())
         disk.seek(SECTOR)
         disk.write(sector)
-    part_file.replace(path)
 
 
 def used_bytes(path):

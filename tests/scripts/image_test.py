@@ -182,6 +182,13 @@ class CommandLine(InFolder):
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
             self.assertEqual(list(self.folder.iterdir()), [])
 
+    def test_the_image_is_not_called_as_the_release_beside_it(self):
+        done = subprocess.run([sys.executable, "-B", ROOT / "scripts" / "image", "virt", "--out", self.folder / "it.update"],
+                              capture_output=True, text=True, check=False)
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+        self.assertIn("name the image otherwise", done.stderr)
+        self.assertEqual(list(self.folder.iterdir()), [])
+
 
 class Packages(InFolder):
     def setUp(self):
