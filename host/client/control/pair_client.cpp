@@ -119,7 +119,7 @@ std::expected<wire::Key, ControlError> PairClient::finish(Duration patience,
   wire::put_bytes(secrets_->client_tag(), confirm.value);
   const Time deadline = Time::clock::now() + patience;
   for (;;) {
-    const auto answer = transport_->reach() == Reach::kLink ? ask_overheard(confirm) : ask(confirm);
+    const auto answer = transport_->reach() == Reach::kLine ? ask(confirm) : ask_overheard(confirm);
     if (!answer) {
       return unproven(answer.error());
     }
@@ -257,8 +257,8 @@ std::expected<wire::PairAnswer, ControlError> PairClient::ask(wire::PairRequest 
                  : no_answer();
 }
 
-// All of the link hear the request, and any of them may refuse it, before the sensor or after: only
-// the time ends it.
+// Whoever hears the request, by broadcast all of a link, may refuse it, before the sensor or after:
+// only the time ends it.
 std::expected<wire::PairAnswer, ControlError> PairClient::ask_overheard(wire::PairRequest request) {
   std::optional<wire::PairAnswer> furthest;
   OfferedCookies offered;

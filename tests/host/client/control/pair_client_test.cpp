@@ -262,22 +262,24 @@ bool confirms(const Bytes& request) {
          wire::PairStep::kConfirm;
 }
 
-TEST(PairClient, ByBroadcastNobodyElseEndsTheLastStep) {
-  for (const wire::PairResult lie :
-       {wire::PairResult::kWrong, wire::PairResult::kCookie, wire::PairResult::kWaiting,
-        wire::PairResult::kOk, wire::PairResult::kFull}) {
-    SensorInMemory sensor;
-    sensor.stranger = [lie, n = std::uint64_t{66}](const Bytes& request) mutable {
-      return confirms(request) ? std::vector<Bytes>{forged(request, lie, n++)}
-                               : std::vector<Bytes>{};
-    };
-    PairClient client = client_of(
-        sensor, {.method = PairMethod::kCode, .name = "ann", .known = {kCode.begin(), kCode.end()}},
-        Way::kBroadcast);
-    ASSERT_TRUE(client.start());
-    const auto key = client.finish(1s);
-    ASSERT_TRUE(key) << key.error().message;
-    EXPECT_EQ(*key, sensor.ring.keys().all()[0]);
+TEST(PairClient, NobodyElseEndsTheLastStep) {
+  for (const Way way : {Way::kBroadcast, Way::kNetwork}) {
+    for (const wire::PairResult lie :
+         {wire::PairResult::kWrong, wire::PairResult::kCookie, wire::PairResult::kWaiting,
+          wire::PairResult::kOk, wire::PairResult::kFull}) {
+      SensorInMemory sensor;
+      sensor.stranger = [lie, n = std::uint64_t{66}](const Bytes& request) mutable {
+        return confirms(request) ? std::vector<Bytes>{forged(request, lie, n++)}
+                                 : std::vector<Bytes>{};
+      };
+      PairClient client = client_of(
+          sensor,
+          {.method = PairMethod::kCode, .name = "ann", .known = {kCode.begin(), kCode.end()}}, way);
+      ASSERT_TRUE(client.start());
+      const auto key = client.finish(1s);
+      ASSERT_TRUE(key) << key.error().message;
+      EXPECT_EQ(*key, sensor.ring.keys().all()[0]);
+    }
   }
 }
 
