@@ -1,5 +1,6 @@
 """The device that is written: what it is, and why it must not be."""
 
+import contextlib
 import os
 import pathlib
 import stat
@@ -45,18 +46,36 @@ class System:
         lines = (self.root / "proc" / "swaps").read_text().splitlines()[1:]
         return {pathlib.PurePath(line.split()[0]).name for line in lines if line.strip()}
 
+    def loops(self):
+        """{folder in /sys of each loop device: what it is a loop of, as same_file() tells}."""
+        return {backing.parent.parent.resolve(): self.same_file(backing.read_text().strip())
+                for backing in (self.root / "sys" / "block").glob("loop*/loop/backing_file")}
+
+    def same_file(self, path):
+        """What is equal for two names of one file or one device."""
+        with contextlib.suppress(OSError):
+            found = os.stat(path)
+            if not stat.S_ISBLK(found.st_mode):
+                return found.st_dev, found.st_ino
+            path = self.block(f"{os.major(found.st_rdev)}:{os.minor(found.st_rdev)}") or path
+        return pathlib.PurePath(path).name  # a device, or what is not seen from here
+
     def backed_by(self, path):
         """Loop devices of that file or device: their folders in /sys."""
-        loops = []
-        for backing in (self.root / "sys" / "block").glob("loop*/loop/backing_file"):
-            if backing.read_text().strip() == str(path):
-                loops.append(backing.parent.parent.resolve())
-        return loops
+        return [loop for loop, of in self.loops().items() if of == self.same_file(path)]
+
+    def behind(self, folder):
+        """What a loop device is a loop of, and what that is a loop of, down to the file."""
+        loops, found = self.loops(), []
+        while folder in loops and loops[folder] not in found:
+            found.append(loops[folder])
+            folder = next((loop for loop in loops if found[-1] in (loop.name, *(part.name for part in loop.iterdir()))), None)
+        return found
 
     def beside(self, folder):
-        """Other loop devices of the same file."""
-        backing = folder / "loop" / "backing_file"
-        return [loop for loop in self.backed_by(backing.read_text().strip()) if loop != folder] if backing.exists() else []
+        """Other loop devices, of what the same one is a loop of in the end."""
+        own = self.behind(folder)
+        return [loop for loop in self.loops() if loop != folder and own and self.behind(loop)[-1] == own[-1]]
 
 
 def _users(system, folder, mounts, swaps):
@@ -102,7 +121,7 @@ def check(path, image, system=None):
         about = next((name.read_text().strip() for name in names if name.exists()), "a disk")
         if (folder / "ro").exists() and (folder / "ro").read_text().strip() == "1":
             raise TargetError(f"{path} cannot be written: is the card's switch at lock?")
-        if folder in system.backed_by(os.path.realpath(image)):
+        if system.same_file(image) in system.behind(folder):
             raise TargetError(f"{path} is a loop device of the image itself: name another one")
         users = _users(system, folder, system.mounts(), system.swaps()) + [loop.name for loop in system.beside(folder)]
     else:

@@ -342,11 +342,21 @@ class Disks(unittest.TestCase):
         self.put("sys/devices/sdx/loop/backing_file", str(FLASH))
         self.link("sys/block/loop0", self.root / "sys/devices/sdx")
         self.refused("of the image itself")
+        inner = self.root / "inner.img"  # a hard link of it, behind another loop
+        os.link(FLASH, inner) if os.stat(FLASH).st_dev == os.stat(self.root).st_dev else inner.symlink_to(FLASH)
+        self.put("sys/devices/sdx/loop/backing_file", "/dev/loop1")
+        self.put("sys/devices/loop1/loop/backing_file", str(inner))
+        self.link("sys/block/loop1", self.root / "sys/devices/loop1")
+        self.refused("of the image itself")
+        self.put("sys/devices/loop1/loop/backing_file", "/tmp/other")
         self.put("sys/devices/sdx/loop/backing_file", "/tmp/card")
         self.assertRegex(self.check(), "CARD READER")
         self.put("sys/devices/loop1/loop/backing_file", "/tmp/card")
-        self.link("sys/block/loop1", self.root / "sys/devices/loop1")
         self.refused("in use .loop1")
+        self.put("sys/devices/loop1/loop/backing_file", "/dev/loop2")
+        self.put("sys/devices/loop2/loop/backing_file", "/tmp/card")
+        self.link("sys/block/loop2", self.root / "sys/devices/loop2")
+        self.refused("in use .loop1, loop2")
 
     def test_a_card_that_is_small_or_locked_is_refused(self):
         self.put("sys/devices/sdx/ro", "1")

@@ -310,6 +310,10 @@ def main():
     parser.add_argument("--work", default=ROOT / "build/system/image")
     parser.add_argument("--case", action="append", help="only these: slot_a, slot_b, open, words, no_calibration, no_settings, image_rpi4, image_rpi5")
     options = parser.parse_args()
+    for name in ("stofd", "stof_system_frames"):
+        if not (pathlib.Path(options.programs) / name).exists():
+            sys.exit(f"image_boot: {options.programs}/{name} is missing: cmake --preset emu && cmake --build --preset emu "
+                     "--target stof_system_tools stofd")
     with contextlib.suppress(PermissionError):
         os.nice(-10)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))

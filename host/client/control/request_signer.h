@@ -66,7 +66,7 @@ class RequestSigner {
   static std::optional<std::uint8_t> tags_of(const Answer& answer);
 
  private:
-  static constexpr std::size_t kAnswerable = 8;  // newest requests whose answers count
+  static constexpr std::size_t kAnswerable = 16;  // newest requests whose answers count
 
   int last_key_before(int end) const;
   std::span<const std::byte> seal(wire::PacketType type, std::size_t payload_bytes,
