@@ -191,7 +191,10 @@ class SignedView(unittest.TestCase):
         file = self.folder / "it.mcap"
         recorded = self.stof("record", f"127.0.0.1:{port}", file, "--frames", 3, "--signed", "--keys", self.keys)
         self.assertEqual(recorded.returncode, 0, recorded.stderr)
-        self.assertEqual(json.loads(self.stof("info", file, "--json").stdout)["settings"]["name"], "stof")
+        self.assertEqual(json.loads(self.stof("info", file, "--json").stdout)["sensor"]["settings"], "attachment settings.json")
+        attached = file.read_bytes()
+        self.assertIn(b'"name": "stof"', attached)
+        self.assertNotIn(b"elsewhere", attached)
 
     def test_a_way_that_takes_longer_than_a_request_waits_is_no_obstacle(self):
         seen = self.view(self.between(lambda datagram: [datagram], due=lambda came: came + 0.35), "--signed", "--keys", self.keys,
