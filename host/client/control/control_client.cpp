@@ -249,7 +249,7 @@ std::span<const std::byte> ControlClient::seal(const wire::SettingsRequest& requ
 std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::await(
     std::uint32_t request_id, bool sealed) {
   const Time begin = Time::clock::now();
-  const Time deadline = std::min(begin + options_.timeout, std::max(begin, deadline_));
+  Time deadline = std::min(begin + options_.timeout, std::max(begin, deadline_));
   // Whoever hears the request may refuse it: the sensor's own answer may come behind that.
   const auto proves = [&](const Part& part) {
     return !sealed || part.is_signed || transport_->reach() == Reach::kLine ||
@@ -273,6 +273,9 @@ std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::a
     if (part && proves(*part)) {
       offered_.clear();
       return part;
+    }
+    if (part && !refusal && transport_->reach() == Reach::kAddress) {
+      deadline = std::min(deadline, Time::clock::now() + kBehindARefusal);
     }
     if (!refusal) {
       refusal = std::move(part);

@@ -22,6 +22,10 @@ enum class Reach : std::uint8_t {
   kLine,     // a serial line
 };
 
+// By address: how long the sensor's own answer is waited for behind a refusal that nobody signed,
+// and that somebody on the way may have made up.
+inline constexpr Duration kBehindARefusal = std::chrono::seconds(1);
+
 // Carries whole packets to a sensor and back: UDP (open_udp_transport) or a serial line.
 class ControlTransport {
  public:

@@ -257,17 +257,21 @@ std::expected<wire::PairAnswer, ControlError> PairClient::ask(wire::PairRequest 
                  : no_answer();
 }
 
-// Whoever hears the request, by broadcast all of a link, may refuse it, before the sensor or after:
-// only the time ends it.
+// Whoever hears the request may refuse it, before the sensor or after: only the time ends it, by
+// broadcast, where all of a link hear it, that of all attempts.
 std::expected<wire::PairAnswer, ControlError> PairClient::ask_overheard(wire::PairRequest request) {
+  const bool by_address = transport_->reach() == Reach::kAddress;
   std::optional<wire::PairAnswer> furthest;
   OfferedCookies offered;
   for (int attempt = 0; attempt < options_.attempts; ++attempt) {
     if (const Status sent = send(request); sent == Status::kDeviceLost) {
       return error(sent, "the connection failed: open it again");
     }
-    const Time deadline = Time::clock::now() + options_.timeout;
+    Time deadline = Time::clock::now() + options_.timeout;
     while (const std::optional<wire::PairAnswer> answer = await(request_id_, deadline)) {
+      if (by_address) {
+        deadline = std::min(deadline, Time::clock::now() + kBehindARefusal);
+      }
       if (is_done(*answer)) {
         return *answer;
       }
@@ -278,7 +282,8 @@ std::expected<wire::PairAnswer, ControlError> PairClient::ask_overheard(wire::Pa
         furthest = answer;
       }
     }
-    if (furthest && furthest->result == PairResult::kWaiting) {
+    if (furthest && (furthest->result == PairResult::kWaiting ||
+                     (by_address && furthest->result != PairResult::kCookie))) {
       break;
     }
     cookie_ = offered.take().value_or(cookie_);
