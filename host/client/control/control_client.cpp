@@ -132,6 +132,27 @@ std::expected<ControlAnswer, ControlError> ControlClient::get(wire::SettingsOper
       error(Status::kTimeout, "its settings changed while they were read: try again"));
 }
 
+// What ends a request before it is sent once more.
+std::optional<std::expected<ControlClient::Part, ControlError>> ControlClient::ended(
+    wire::SettingsOperation operation, bool sealed) const {
+  using Ended = std::expected<Part, ControlError>;
+  if (Time::clock::now() >= deadline_) {
+    return Ended(std::unexpected(error(Status::kTimeout, "its answer takes too long: try again")));
+  }
+  if (keys_refused_ && options_.signed_alone) {
+    return Ended(std::unexpected(
+        error(Status::kUnsupported,
+              "has none of your keys, it says: pair with it, see stof pair --help")));
+  }
+  if (keys_refused_ && !only_reads(operation)) {
+    return Ended(keys_unknown());
+  }
+  if (!sealed && cookie_ != 0 && !takes_unsigned(operation)) {
+    return Ended(std::unexpected(unproven()));
+  }
+  return std::nullopt;
+}
+
 // Asks until it is answered, with a cookie where the sensor wants one.
 std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     wire::SettingsOperation operation, wire::SettingsDocument document, std::uint16_t offset,
@@ -141,21 +162,11 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
   offered_.clear();
   std::optional<Part> refusal;
   bool hurried = false;  // asked at once upon a cookie
+  bool introduced = false;
   for (int attempt = 0; attempt < options_.attempts;) {
-    if (Time::clock::now() >= deadline_) {
-      return std::unexpected(error(Status::kTimeout, "its answer takes too long: try again"));
-    }
     const bool sealed = signer_.key() != nullptr;
-    if (keys_refused_ && options_.signed_alone) {
-      return std::unexpected(error(Status::kUnsupported,
-                                   "has none of your keys, it says: pair with it, see stof pair "
-                                   "--help"));
-    }
-    if (keys_refused_ && !only_reads(operation)) {
-      return keys_unknown();
-    }
-    if (!sealed && cookie_ != 0 && !takes_unsigned(operation)) {
-      return std::unexpected(unproven());
+    if (std::optional<std::expected<Part, ControlError>> end = ended(operation, sealed)) {
+      return *std::move(end);
     }
     const Status sent = send({.request_id = request_id_,
                               .operation = operation,
@@ -166,7 +177,10 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     if (sent == Status::kDeviceLost) {
       return std::unexpected(error(sent, "the connection failed: open it again"));
     }
-    std::expected<std::optional<Part>, ControlError> heard = await(request_id_, sealed);
+    // Answers to the attempts of before count, too: on a slow network the last one waits for them.
+    const bool last = attempt + 1 == options_.attempts;
+    std::expected<std::optional<Part>, ControlError> heard =
+        await(request_id_, sealed, last ? options_.timeout * options_.attempts : options_.timeout);
     if (!heard) {
       return std::unexpected(std::move(heard.error()));
     }
@@ -181,8 +195,9 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
         }
         break;
       case Heard::kAgain:
-        attempt += hurried ? 1 : 0;
+        attempt = introduced ? attempt + (hurried ? 1 : 0) : 0;
         hurried = !hurried;
+        introduced = true;
         break;
       case Heard::kKeyRefused:
         keys_refused_ = !signer_.drop_key();
@@ -247,9 +262,9 @@ std::span<const std::byte> ControlClient::seal(const wire::SettingsRequest& requ
 
 // The answer to a request, none when the time is over. Anything else that comes is skipped.
 std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::await(
-    std::uint32_t request_id, bool sealed) {
+    std::uint32_t request_id, bool sealed, Duration patience) {
   const Time begin = Time::clock::now();
-  Time deadline = std::min(begin + options_.timeout, std::max(begin, deadline_));
+  Time deadline = std::min(begin + patience, std::max(begin, deadline_));
   // Whoever hears the request may refuse it: the sensor's own answer may come behind that.
   const auto proves = [&](const Part& part) {
     return !sealed || part.is_signed || transport_->reach() == Reach::kLine ||
@@ -258,7 +273,8 @@ std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::a
   };
   std::optional<Part> refusal;
   for (int behind = 0;;) {
-    const Result<std::vector<std::byte>> bytes = receive_until(*transport_, deadline, behind);
+    const Result<std::vector<std::byte>> bytes =
+        kept_ ? *std::exchange(kept_, std::nullopt) : receive_until(*transport_, deadline, behind);
     if (!bytes && bytes.error() == Status::kTimeout) {
       cookie_ = offered_.take().value_or(cookie_);
       return refusal;
@@ -350,8 +366,9 @@ bool ControlClient::takes_unsigned(wire::SettingsOperation operation) const {
 // Another one answers in the place of ControlOptions::device_id, which has never answered: sensors
 // leave requests to another one unanswered, so this asks for none.
 std::optional<ControlError> ControlClient::another_sensor() {
+  constexpr std::uint32_t kProbe = 1U << 31U;  // in the number of a request
   wire::DatagramBuffer buffer;
-  wire::encode_settings_request({.request_id = ++request_id_},
+  wire::encode_settings_request({.request_id = request_id_ ^ kProbe},
                                 wire::payload_space(buffer).first<wire::kSettingsRequestBytes>());
   if (!options_.device_id || cookie_ != 0 ||
       transport_->send(wire::seal_packet({.type = wire::PacketType::kSettingsRequest},
@@ -369,13 +386,17 @@ std::optional<ControlError> ControlClient::another_sensor() {
       continue;
     }
     const Result<wire::SettingsAnswer> answer = wire::decode_settings_answer(packet->payload);
-    if (answer && answer->request_id == request_id_) {
-      const std::uint32_t device = packet->header.origin.device_id;
-      return device == *options_.device_id
-                 ? std::nullopt
-                 : std::optional(
-                       error(Status::kUnsupported, other_sensor(device, *options_.device_id)));
+    const std::uint32_t device = packet->header.origin.device_id;
+    if (!answer || (answer->request_id ^ request_id_) % kProbe != 0) {
+      continue;
     }
+    if (device != *options_.device_id) {
+      return error(Status::kUnsupported, other_sensor(device, *options_.device_id));
+    }
+    if (answer->request_id == request_id_) {  // it has answered late what it was asked before
+      kept_ = *bytes;
+    }
+    return std::nullopt;
   }
 }
 
@@ -386,9 +407,10 @@ ControlError ControlClient::silent() const {
                  "it has just started: try again");
   }
   const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(options_.timeout);
-  return error(Status::kTimeout,
-               "no answer within " + std::to_string(waited.count() * options_.attempts) + " ms: " +
-                   to_check(transport_->reach()) + "; a slow network takes a longer timeout");
+  return error(Status::kTimeout, "no answer within " +
+                                     std::to_string(waited.count() * (2 * options_.attempts - 1)) +
+                                     " ms: " + to_check(transport_->reach()) +
+                                     "; a slow network takes a longer timeout");
 }
 
 ControlClient::Part ControlClient::keys_unknown() const {

@@ -32,7 +32,7 @@ enum class Unsigned : std::uint8_t {
 };
 
 struct ControlOptions {
-  Duration timeout = std::chrono::milliseconds(300);  // of one attempt
+  Duration timeout = std::chrono::milliseconds(300);  // of one attempt; the last waits for all
   int attempts = 3;                                   // of each request
   // Of request() with all parts of a document and all repetitions, whatever is answered.
   Duration overall = std::chrono::seconds(10);
@@ -98,7 +98,10 @@ class ControlClient {
   std::expected<Part, ControlError> ask(wire::SettingsOperation operation,
                                         wire::SettingsDocument document, std::uint16_t offset,
                                         std::string_view text);
-  std::expected<std::optional<Part>, ControlError> await(std::uint32_t request_id, bool sealed);
+  std::optional<std::expected<Part, ControlError>> ended(wire::SettingsOperation operation,
+                                                         bool sealed) const;
+  std::expected<std::optional<Part>, ControlError> await(std::uint32_t request_id, bool sealed,
+                                                         Duration patience);
   std::optional<Part> read_answer(std::span<const std::byte> datagram, std::uint32_t request_id,
                                   bool sealed);
   std::expected<ControlAnswer, ControlError> get(wire::SettingsOperation operation,
@@ -119,7 +122,8 @@ class ControlClient {
   std::unique_ptr<ControlTransport> transport_;
   ControlOptions options_;
   RequestSigner signer_;
-  bool keys_refused_ = false;  // the sensor has none of those that there are of it
+  std::optional<std::vector<std::byte>> kept_;  // came, and was not read yet
+  bool keys_refused_ = false;                   // the sensor has none of those that there are of it
   std::optional<Proof> proven_;
   std::uint64_t cookie_ = 0;
   OfferedCookies offered_;       // by Reach::kLink

@@ -109,7 +109,7 @@ TEST_F(SignedRequestTest, ReplaysAndReordersAreRefusedAndTheSignerIsTold) {
 }
 
 TEST_F(SignedRequestTest, AnotherKeyOrNoneIsRefusedWithoutASignature) {
-  wire::Key other = numbered_key(99);
+  const wire::Key other = numbered_key(99);
   for (const std::uint32_t id : {other.id, admin_.id}) {
     other.id = id;
     const auto reply = settings_reply(take(request(other, 50)));
@@ -125,7 +125,7 @@ TEST_F(SignedRequestTest, AnotherKeyOrNoneIsRefusedWithoutASignature) {
 
 // Judging costs little, answering three times that.
 TEST_F(SignedRequestTest, WhoeverGuessesOrRepeatsIsToldSeldom) {
-  wire::Key other = numbered_key(99);
+  const wire::Key other = numbered_key(99);
   const Bytes old = request(admin_, 7);
   ASSERT_TRUE(signed_reply(admin_, take(old)).has_value());
   constexpr int kTries = 500;

@@ -201,6 +201,10 @@ class SignedView(unittest.TestCase):
                          "--frames", 10)
         self.assertEqual(seen.returncode, 0, seen.stdout + seen.stderr)
         self.assertNotIn("forged traffic", seen.stdout)
+        port = self.between(lambda datagram: [datagram], due=lambda came: came + 0.35)
+        for keys in (self.keys, self.folder / "none"):
+            read = self.stof("config", f"127.0.0.1:{port}", "get", "name", "--keys", keys, "--device", 1)
+            self.assertEqual((read.returncode, read.stdout.strip()), (0, "stof"), read.stderr)
 
     def test_a_stream_that_is_slowed_is_refused_however_long_it_goes_on(self):
         for seconds in (6, 60):  # 37 frames of 75, the last of them three seconds old; a busy machine has fewer

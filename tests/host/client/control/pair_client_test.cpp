@@ -84,9 +84,14 @@ class Wire final : public ControlTransport {
   }
   std::string place() const override { return "memory"; }
   Reach reach() const override {
-    return way_ == Way::kBroadcast    ? Reach::kLink
-           : way_ == Way::kSerialLine ? Reach::kLine
-                                      : Reach::kAddress;
+    switch (way_) {
+      case Way::kBroadcast:
+        return Reach::kLink;
+      case Way::kSerialLine:
+        return Reach::kLine;
+      default:
+        return Reach::kAddress;
+    }
   }
 
  private:
