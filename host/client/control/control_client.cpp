@@ -158,7 +158,7 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     wire::SettingsOperation operation, wire::SettingsDocument document, std::uint16_t offset,
     std::string_view text) {
   ++request_id_;
-  cookie_refused_ = false;
+  cookies_refused_ = 0;
   offered_.clear();
   std::optional<Part> refusal;
   bool hurried = false;  // asked at once upon a cookie
@@ -269,7 +269,8 @@ std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::a
   const auto proves = [&](const Part& part) {
     return !sealed || part.is_signed || transport_->reach() == Reach::kLine ||
            (transport_->reach() == Reach::kAddress &&
-            part.answer.result != wire::SettingsResult::kUnknownKey);
+            part.answer.result != wire::SettingsResult::kUnknownKey &&
+            part.answer.result != wire::SettingsResult::kCookie);
   };
   std::optional<Part> refusal;
   for (int behind = 0;;) {
@@ -335,12 +336,12 @@ std::optional<ControlClient::Part> ControlClient::read_answer(std::span<const st
   if (sealed && !signed_answer && judged) {
     return std::nullopt;
   }
-  if (sealed && !signed_answer && transport_->reach() == Reach::kLink) {
+  if (sealed && !signed_answer && transport_->reach() != Reach::kLine) {
     offered_.add(answer->cookie);
   } else {
     cookie_ = answer->cookie;
   }
-  cookie_refused_ = cookie_refused_ || shown_ != 0;
+  cookies_refused_ += answer->result == wire::SettingsResult::kCookie && shown_ != 0 ? 1 : 0;
   signer_.note_origin(packet->header.origin);
   signer_.note_highest(signed_answer ? signed_answer->highest : 0);
   const std::span<const std::byte> text = payload.subspan(wire::kSettingsAnswerBytes);
@@ -401,7 +402,8 @@ std::optional<ControlError> ControlClient::another_sensor() {
 }
 
 ControlError ControlClient::silent() const {
-  if (cookie_refused_) {
+  constexpr int kLate = 1;  // one may have been on its way
+  if (cookies_refused_ > kLate) {
     return error(Status::kTimeout,
                  "asks for another cookie whatever it is shown: somebody answers in its place, or "
                  "it has just started: try again");

@@ -241,8 +241,7 @@ std::expected<wire::PairAnswer, ControlError> PairClient::ask(wire::PairRequest 
     if (const Status sent = send(request); sent == Status::kDeviceLost) {
       return error(sent, "the connection failed: open it again");
     }
-    const std::optional<wire::PairAnswer> answer =
-        await(request_id_, Time::clock::now() + options_.timeout);
+    const std::optional<wire::PairAnswer> answer = await_consent();
     refused = answer && cookie_ != 0;
     cookie_ = answer ? answer->cookie : cookie_;
     if (answer && answer->result != PairResult::kCookie) {
@@ -255,6 +254,26 @@ std::expected<wire::PairAnswer, ControlError> PairClient::ask(wire::PairRequest 
                          "asks for another cookie whatever it is shown: somebody answers in its "
                          "place, or it has just started: try again")
                  : no_answer();
+}
+
+// By address whoever is before the sensor may refuse what it grants.
+std::optional<wire::PairAnswer> PairClient::await_consent() {
+  const auto refuses = [](const wire::PairAnswer& answer) {
+    return answer.result != PairResult::kOk && answer.result != PairResult::kCookie &&
+           answer.result != PairResult::kWaiting;
+  };
+  const Time deadline = Time::clock::now() + options_.timeout;
+  std::optional<wire::PairAnswer> first = await(request_id_, deadline);
+  if (!first || transport_->reach() != Reach::kAddress || !refuses(*first)) {
+    return first;
+  }
+  const Time behind = std::min(deadline, Time::clock::now() + kBehindARefusal);
+  while (const std::optional<wire::PairAnswer> other = await(request_id_, behind)) {
+    if (!refuses(*other)) {
+      return other;
+    }
+  }
+  return first;
 }
 
 // Whoever hears the request may refuse it, before the sensor or after: only the time ends it, by

@@ -64,6 +64,7 @@ class PairClient {
   void give_up(wire::PairRequest request);
   Status send(wire::PairRequest& request);
   std::expected<wire::PairAnswer, ControlError> ask(wire::PairRequest request);
+  std::optional<wire::PairAnswer> await_consent();
   std::expected<wire::PairAnswer, ControlError> ask_overheard(wire::PairRequest request);
   std::optional<wire::PairAnswer> await(std::uint32_t request_id, Time deadline);
   bool is_done(const wire::PairAnswer& answer) const;

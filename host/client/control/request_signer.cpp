@@ -31,7 +31,6 @@ void RequestSigner::note_origin(const wire::Origin& origin) {
   }
   origin_ = origin;
   counter_ = 0;
-  sealed_ = {};
   if (!same) {
     at_ = last_key_before(static_cast<int>(keys_.count()));
   }
@@ -95,7 +94,7 @@ std::span<const std::byte> RequestSigner::seal(PacketType type, std::size_t payl
   const wire::Key& key = *this->key();
   counter_ = std::max(counter_ + 1, microseconds_now());
   std::ranges::rotate(sealed_, sealed_.end() - 1);
-  sealed_.front() = counter_;
+  sealed_.front() = {.session = origin_.session_id, .counter = counter_};
   return wire::seal_signed(
       {.type = PacketType::kSignedRequest, .origin = origin_},
       {.key_id = key.id, .type = static_cast<std::uint8_t>(type), .counter = counter_},
@@ -107,12 +106,13 @@ std::optional<RequestSigner::Answer> RequestSigner::open(
   const wire::Origin& origin = packet.header.origin;
   const wire::Key* const key = this->key();
   if (key == nullptr || packet.header.type != PacketType::kSignedAnswer ||
-      origin.device_id != origin_.device_id || origin.session_id != origin_.session_id) {
+      origin.device_id != origin_.device_id) {
     return std::nullopt;
   }
   const Result<wire::SignedView> view = wire::open_signed(packet, datagram);
   if (!view || view->fields.key_id != key->id || view->fields.counter == 0 ||
-      std::ranges::find(sealed_, view->fields.counter) == sealed_.end() ||
+      std::ranges::find(sealed_, Sealed{origin.session_id, view->fields.counter}) ==
+          sealed_.end() ||
       view->fields.type != static_cast<std::uint8_t>(answer_) ||
       !wire::signed_with(key->secret, *view)) {
     return std::nullopt;

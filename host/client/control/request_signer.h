@@ -26,6 +26,7 @@ class RequestSigner {
     std::span<const std::byte> payload;  // of the message that was signed
     std::uint64_t highest = 0;           // counter that the sensor has taken of this key
     std::uint64_t counter = 0;           // of the request that it answers
+    std::uint32_t session = 0;           // of the sensor
   };
 
   explicit RequestSigner(const wire::KeyTable& keys);
@@ -76,8 +77,14 @@ class RequestSigner {
   wire::Origin origin_{};  // device 0: nobody has answered
   int at_ = -1;            // of the key, in keys_; -1: none
   std::uint64_t counter_ = 0;
-  std::array<std::uint64_t, kAnswerable> sealed_{};  // counters of these, the newest first; 0: none
-  wire::PacketType answer_{};                        // that belongs to what was sealed last
+  struct Sealed {
+    std::uint32_t session = 0;
+    std::uint64_t counter = 0;  // 0: none
+    bool operator==(const Sealed&) const = default;
+  };
+  // The newest first. Whoever says that there is another session forgets none of them.
+  std::array<Sealed, kAnswerable> sealed_{};
+  wire::PacketType answer_{};  // that belongs to what was sealed last
 };
 
 }  // namespace stof::client

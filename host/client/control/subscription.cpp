@@ -113,6 +113,7 @@ bool Subscription::judge(const wire::PacketView& packet, std::span<const std::by
     if (!read(opened->payload)) {
       return false;
     }
+    signer_->note_origin(packet.header.origin);
     signer_->note_highest(opened->highest);
     if (granted(answer->result)) {
       const wire::StreamKey key = signer_->open_stream_key(*opened);

@@ -109,7 +109,7 @@ TEST_F(SignedRequestTest, ReplaysAndReordersAreRefusedAndTheSignerIsTold) {
 }
 
 TEST_F(SignedRequestTest, AnotherKeyOrNoneIsRefusedWithoutASignature) {
-  const wire::Key other = numbered_key(99);
+  wire::Key other = numbered_key(99);
   for (const std::uint32_t id : {other.id, admin_.id}) {
     other.id = id;
     const auto reply = settings_reply(take(request(other, 50)));
