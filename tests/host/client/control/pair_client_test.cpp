@@ -288,6 +288,24 @@ TEST(PairClient, NobodyElseEndsTheLastStep) {
   }
 }
 
+TEST(PairClient, ByAddressNobodyElseRefusesAStep) {
+  for (const wire::PairResult lie :
+       {wire::PairResult::kWrong, wire::PairResult::kClosed, wire::PairResult::kFull}) {
+    SensorInMemory sensor;
+    sensor.stranger = [lie](const Bytes& request) {
+      return std::vector<Bytes>{forged(request, lie, 66)};
+    };
+    PairClient client = client_of(
+        sensor,
+        {.method = PairMethod::kCode, .name = "ann", .known = {kCode.begin(), kCode.end()}});
+    const auto begun = client.start();
+    ASSERT_TRUE(begun) << begun.error().message;
+    const auto key = client.finish(1s);
+    ASSERT_TRUE(key) << key.error().message;
+    EXPECT_EQ(*key, sensor.ring.keys().all()[0]);
+  }
+}
+
 TEST(PairClient, WhoeverAsksForACookieForEverIsNoSensorThatDoesNotRun) {
   SensorInMemory sensor;
   sensor.stranger = [n = std::uint64_t{66}](const Bytes& request) mutable {

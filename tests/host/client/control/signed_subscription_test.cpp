@@ -137,6 +137,32 @@ TEST_F(SignedSubscription, RenewsItsLeaseWithTheSameKey) {
   }
 }
 
+// Whoever is faster than the sensor, each time.
+TEST_F(SignedSubscription, CookiesOfMadeUpSessionsStarveItNot) {
+  Subscription subscription(with({key_}), 100);
+  std::uint32_t made_up = 1000;
+  for (const Time end = now_ + 2s; now_ < end && subscription.state() != State::kActive;
+       now_ += 10ms) {
+    const auto request = subscription.due(now_);
+    if (request.empty()) {
+      continue;
+    }
+    const auto packet = wire::parse_packet(request);
+    const auto view = wire::open_signed(*packet, request);
+    const auto asked = wire::decode_subscribe(view ? view->payload : packet->payload);
+    ASSERT_TRUE(asked);
+    const auto answer = handler_->take(request, test::peer(1), hal::Time(now_.time_since_epoch()));
+    Bytes lie(wire::kSubscribedBytes);
+    wire::encode_subscribed(
+        {.request_id = asked->request_id, .result = SubscribeResult::kCookie, .cookie = ++made_up},
+        std::span(lie).first<wire::kSubscribedBytes>());
+    subscription.take(test::sealed(wire::PacketType::kSubscribed, lie, kSensor, made_up), now_);
+    subscription.take(answer, now_);
+  }
+  EXPECT_EQ(subscription.state(), State::kActive);
+  EXPECT_EQ(subscription.stream_key(), sensors_key());
+}
+
 TEST_F(SignedSubscription, ALostAnswerOrCookieCostsARepetition) {
   Subscription subscription(with({key_}), 5);
   static_cast<void>(answer_due(subscription));  // the cookie is lost

@@ -302,11 +302,12 @@ TEST(SigningClient, BelievesNothingThatTheSensorDidNotSign) {
 }
 
 // What anybody says who hears the number of a request.
-Bytes forged(std::uint32_t request_id, SettingsResult result, std::uint64_t cookie) {
+Bytes forged(std::uint32_t request_id, SettingsResult result, std::uint64_t cookie,
+             std::uint32_t session = 7) {
   Bytes payload(wire::kSettingsAnswerBytes);
   wire::encode_settings_answer({.request_id = request_id, .result = result, .cookie = cookie},
                                std::span(payload).first<wire::kSettingsAnswerBytes>());
-  return test::sealed(wire::PacketType::kSettingsAnswer, payload, kDevice, 7);
+  return test::sealed(wire::PacketType::kSettingsAnswer, payload, kDevice, session);
 }
 
 class WhoAnswersFirst : public testing::TestWithParam<Reach> {};
@@ -329,6 +330,23 @@ TEST_P(WhoAnswersFirst, EndsNoRequest) {
     ControlClient later = client_of(sensor, {numbered_key(4)});
     const auto answer = set(later);
     ASSERT_TRUE(answer) << answer.error().message;
+    EXPECT_EQ(answer->result, SettingsResult::kOk);
+  }
+}
+
+TEST_P(WhoAnswersFirst, StarvesNoRequestByCookiesOfMadeUpSessions) {
+  SigningSensor sensor;
+  sensor.reach = GetParam();
+  ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+  sensor.between = [n = std::uint32_t{66}](Bytes answer) mutable {
+    ++n;
+    return std::vector<Bytes>{forged(request_id_of(answer), SettingsResult::kCookie, n, n),
+                              std::move(answer)};
+  };
+  ControlClient client = client_of(sensor, {numbered_key(4)});
+  for (int i = 0; i < 5; ++i) {
+    const auto answer = set(client);
+    ASSERT_TRUE(answer) << i << answer.error().message;
     EXPECT_EQ(answer->result, SettingsResult::kOk);
   }
 }
