@@ -27,8 +27,9 @@ std::string identity_text(const SensorInfo& info) {
            (info.no_identity.empty() ? "a replay" : info.no_identity) + "\n";
   }
   const client::FoundSensor& one = *info.identity;
-  return "  serial " + one.serial + ", name '" + one.name +
-         (info.is_signed ? "'; without a signature: board " : "', board ") + one.board +
+  return "  serial " + one.serial +
+         (one.name.empty() ? ", name not told" : ", name '" + one.name + "'") +
+         (info.is_signed ? "; without a signature: board " : ", board ") + one.board +
          ", version " + one.version +
          printed(", %u of %u subscribers\n", one.subscribers, one.most_subscribers);
 }

@@ -126,7 +126,7 @@ class ControlClient {
   bool keys_refused_ = false;                   // the sensor has none of those that there are of it
   std::optional<Proof> proven_;
   std::uint64_t cookie_ = 0;
-  OfferedCookies offered_;   // by Reach::kLink
+  OfferedCookies offered_;   // to what was signed, but by a line
   std::uint64_t shown_ = 0;  // cookie of the newest attempt
   int cookies_refused_ = 0;  // of the request that is asked now
   std::uint32_t request_id_;
