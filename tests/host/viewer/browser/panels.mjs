@@ -206,15 +206,16 @@ export function panelChecks({ bin, flags, open, text, live, shot, probe, phone }
       };
       assert.equal(await text(page, "pause"), "Freeze"); // this page's picture; the other button is the recording's
       assert.equal(await text(page, "play"), "Play");
-      // Health is that of the place, or none: the first frame came before the first that the sensor said.
+      // Health is that of the place: a recording begins with the one that came before its first frame.
       const first = await seek(0);
-      await until("that nothing is known", async () => (await text(page, "health")).startsWith("Not known: "));
-      assert.equal(await text(page, "active"), "");
+      const up = async () => Number(/, up (\d+) s/.exec(await text(page, "health"))?.[1] ?? NaN);
+      await until("the health of before", async () => !Number.isNaN(await up()));
+      const begun = await up();
       assert.equal(await text(page, "state"), "Playback, paused");
       assert.equal(await page.locator("#state").getAttribute("data-level"), "play"); // not that of a live sensor
       await shot(page, "replay_begin");
       const later = await seek(2000);
-      await until("health", async () => /, up \d+ s/.test(await text(page, "health")));
+      await until("the health of then", async () => await up() > begun);
       await until("what is active", async () => (await text(page, "active")).includes("unpaired"));
       assert.ok(place().at_ms >= 2000, `${place().at_ms}`);
       // Five a second, but for those that a busy machine lost.
