@@ -115,9 +115,9 @@ else()
   list(APPEND STOF_LABELLED_TEST_OPTIONS -g0)
 endif()
 
-# stof_add_test(NAME sad_test SOURCES ... LIBRARIES ... [ALONE ...] [LABELS kernel]): a GoogleTest program, of a room where no
-# library or label sets its tests apart. Its sources are compiled together, which takes less than half of the time; ALONE are those
-# of them whose own names have another meaning in another one. ctest runs it whole, as one test
+# stof_add_test(NAME sad_test SOURCES ... LIBRARIES ... [ALONE ...] [LABELS kernel]): a GoogleTest program. A room has one for all of
+# its tests that need the same libraries and label. SOURCES are compiled together, which takes less than half of the time; a source
+# that gives a name of its own another meaning than its neighbours do is named behind ALONE. ctest runs the program whole, as one test
 # of its name (a process for each of 3,000 cases, and their list made by every program, took a third of a run with sanitizers), through
 # the emulator where the build is a cross build; scripts/test counts its cases from cases/NAME.xml.
 # LABELS kernel: runs at every level of vectors (tests/support/kernel_check.h). With sanitizers stof_kernel_tests alone builds it.

@@ -35,9 +35,7 @@ client::SubscriptionOptions subscription(ReceiveOptions& options, const wire::Ra
     terms.reread = client::rereading(options.keys);
     options.device = meant.device;
     if (meant.keys.count() != 0) {  // else the subscription says what is missing
-      client::ControlOptions control = timing(kAnswerS);
-      control.device_id = meant.device ? meant.device : found_device(options.sensor);
-      check_called(options.sensor, control, meant.keys);
+      check_called(options.sensor, reading_control(options), meant.keys);
     }
   }
   return terms;

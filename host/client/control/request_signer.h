@@ -21,12 +21,13 @@ namespace stof::client {
 // Which sensor it is, and its session, the first answer tells.
 class RequestSigner {
  public:
+  static constexpr std::size_t kAnswerable = 16;  // newest requests whose answers count
+
   // What an answer carries, verified.
   struct Answer {
     std::span<const std::byte> payload;  // of the message that was signed
     std::uint64_t highest = 0;           // counter that the sensor has taken of this key
     std::uint64_t counter = 0;           // of the request that it answers
-    std::uint32_t session = 0;           // of the sensor
   };
 
   explicit RequestSigner(const wire::KeyTable& keys);
@@ -61,14 +62,13 @@ class RequestSigner {
   // on its way. None: it is not, or nobody knows of whom.
   std::optional<Answer> open(const wire::PacketView& packet,
                              std::span<const std::byte> datagram) const;
-  // The stream key that such an answer hands over; number 0: none, or its tags are not known here.
+  // The stream key that such an answer hands over, whose origin was noted; number 0: none, or its
+  // tags are not known here.
   wire::StreamKey open_stream_key(const Answer& answer) const;
   // How the tags of the stream key that it hands over are made; nothing: it hands over none.
   static std::optional<std::uint8_t> tags_of(const Answer& answer);
 
  private:
-  static constexpr std::size_t kAnswerable = 16;  // newest requests whose answers count
-
   int last_key_before(int end) const;
   std::span<const std::byte> seal(wire::PacketType type, std::size_t payload_bytes,
                                   wire::DatagramBuffer& buffer);

@@ -103,7 +103,7 @@ class Subscription {
   Time key_asked() const noexcept { return key_asked_; }
 
  private:
-  static constexpr std::uint32_t kAnswerable = 16;  // newest requests whose answers count
+  static constexpr std::uint32_t kAnswerable = RequestSigner::kAnswerable;
 
   std::span<const std::byte> seal(wire::PacketType type);
   void answered(const wire::Subscribed& answer, Time now);
